@@ -33,6 +33,9 @@ void write_file(const std::filesystem::path& path, std::string_view bytes);
 /// The whole file. @throws IoError with the system's reason.
 std::string read_file(const std::filesystem::path& path);
 
+/// Whether there is such a file or folder; not where that cannot be told.
+bool is_there(const std::filesystem::path& path);
+
 /// Creates the folder and its parents. @throws IoError
 void make_folder(const std::filesystem::path& path);
 

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
+#include "core/error.h"
 
 namespace glint {
 
@@ -30,6 +34,12 @@ inline RigidTransform inverse(const RigidTransform& a_from_b) {
 /// Three floats of a ray kernel as a vector in double.
 inline Eigen::Vector3d vector_of(float x, float y, float z) {
   return Eigen::Vector3f(x, y, z).cast<double>();
+}
+
+/// @param three  numbers, as files have them
+inline Eigen::Vector3d vector_of(const std::vector<double>& three) {
+  GLINT_CHECK(three.size() == 3, "three numbers");
+  return {three[0], three[1], three[2]};
 }
 
 /// A ray with unit direction.

@@ -81,7 +81,7 @@ std::string text_of(const Json& result) {
          (result.contains("part") ? part_text(result["part"]) : "");
 }
 
-int exit_code_of(const Json& result) {
+int calibration_exit_code(const Json& result) {
   const Json& end = result.contains("part") ? result["part"]["end"] : result["end"];
   if (end.is_object() && end["cause"] == "interrupted") {
     return kExitInterrupted;
@@ -154,7 +154,7 @@ AcquireAnswer run_cell_calibration(const CellCalibrationArguments& arguments, bo
   if (!arguments.part.empty()) {
     add_part(arguments, options.acquire, permit, result);
   }
-  return {.json = result, .text = text_of(result), .exit_code = exit_code_of(result)};
+  return {.json = result, .text = text_of(result), .exit_code = calibration_exit_code(result)};
 }
 
 }  // namespace glint

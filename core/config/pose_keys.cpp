@@ -3,16 +3,14 @@
 
 #include <Eigen/Geometry>
 
+#include "core/pose.h"
+
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
 
 constexpr Count kThree = {.min = 3, .max = 3};
-
-Vector3d vector_of(const std::vector<double>& three) {
-  return {three[0], three[1], three[2]};
-}
 
 }  // namespace
 

@@ -15,14 +15,12 @@
 
 #include <Eigen/Geometry>
 
+#include "core/index.h"
+
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t place(std::int32_t index) {
-  return static_cast<std::size_t>(index);
-}
 
 /// Nodes that follow each other on an edge closer than this part of it are left to exact
 /// arithmetic.
@@ -56,8 +54,8 @@ class Crossings {
  private:
   /// The edges of a face of side `which` that cross a face of the other one.
   bool cross_edges(std::size_t which, std::int32_t face, std::int32_t other) {
-    const TestFace& mine = sides_[which]->surface.tests[place(face)];
-    const TestFace& plane = sides_[1 - which]->surface.tests[place(other)];
+    const TestFace& mine = sides_[which]->surface.tests[index(face)];
+    const TestFace& plane = sides_[1 - which]->surface.tests[index(other)];
     std::array<int, 3> sides = {};
     for (std::size_t k = 0; k < 3; ++k) {
       sides[k] = orientation(plane, mine.corners[k]);
@@ -101,7 +99,7 @@ class Crossings {
     const std::int32_t node = table_.at(key, fresh);
     found_[num_found_++] = node;
     if (node == fresh) {
-      place_node(*sides_[which], edge, sides_[1 - which]->surface.tests[place(other)], node);
+      place_node(*sides_[which], edge, sides_[1 - which]->surface.tests[index(other)], node);
     }
     return true;
   }

@@ -13,6 +13,7 @@
 #include <array>
 #include <span>
 
+#include "core/index.h"
 #include "defects/boolean/corefine_crossings.h"
 #include "defects/boolean/corefine_polygon.h"
 
@@ -21,10 +22,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-std::size_t place(std::int32_t index) {
-  return static_cast<std::size_t>(index);
-}
 
 /// Splits the faces of one side along the seam.
 class Splitter {
@@ -73,12 +70,12 @@ class Splitter {
     num_border_ = static_cast<std::int32_t>(locals_.size());
     const bool is_linked = link(segments);
     for (const FaceSegment& segment : segments) {
-      local_of_node_[place(segment.from)] = -1;
-      local_of_node_[place(segment.to)] = -1;
+      local_of_node_[index(segment.from)] = -1;
+      local_of_node_[index(segment.to)] = -1;
     }
     for (const Local& local : locals_) {
       if (local.vertex >= first_node_) {
-        local_of_node_[place(local.vertex - first_node_)] = -1;
+        local_of_node_[index(local.vertex - first_node_)] = -1;
       }
     }
     if (!is_linked) {
@@ -94,7 +91,7 @@ class Splitter {
   }
 
   std::int32_t local_of(std::int32_t node) {
-    std::int32_t& local = local_of_node_[place(node)];
+    std::int32_t& local = local_of_node_[index(node)];
     if (local < 0) {
       local = add_local(first_node_ + node);
     }
@@ -126,7 +123,7 @@ class Splitter {
     }
     // A seam comes in over an edge and leaves over one, or is closed.
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(locals_.size()); ++i) {
-      const Local& local = locals_[place(i)];
+      const Local& local = locals_[index(i)];
       const bool is_corner = local.vertex < first_node_;
       const std::int32_t wanted = is_corner ? 0 : i < num_border_ ? 1 : 2;
       if (local.num_links != wanted) {
@@ -137,32 +134,32 @@ class Splitter {
   }
 
   bool add_link(std::int32_t from, std::int32_t to) {
-    Local& local = locals_[place(from)];
+    Local& local = locals_[index(from)];
     if (local.num_links == 2) {
       return false;
     }
-    local.links[place(local.num_links++)] = to;
+    local.links[index(local.num_links++)] = to;
     return true;
   }
 
   /// Drops the axis along which the face's normal is longest, keeping the sense of rotation.
   void project(std::int32_t face) {
     int axis = 0;
-    const Vector3d& normal = side_.surface.tests[place(face)].normal;
+    const Vector3d& normal = side_.surface.tests[index(face)].normal;
     normal.cwiseAbs().maxCoeff(&axis);
     const int u = normal[axis] > 0.0 ? (axis + 1) % 3 : (axis + 2) % 3;
     const int v = 3 - axis - u;
     flat_.clear();
     for (const Local& local : locals_) {
       const Vector3d& point = local.vertex < first_node_
-                                  ? side_.surface.mesh.points_mm[place(local.vertex)]
-                                  : nodes_mm_[place(local.vertex - first_node_)];
+                                  ? side_.surface.mesh.points_mm[index(local.vertex)]
+                                  : nodes_mm_[index(local.vertex - first_node_)];
       flat_.emplace_back(point[u], point[v]);
     }
   }
 
   std::int32_t next_on_chain(std::int32_t from, std::int32_t at) const {
-    const Local& local = locals_[place(at)];
+    const Local& local = locals_[index(at)];
     return local.links[0] == from ? local.links[1] : local.links[0];
   }
 
@@ -171,19 +168,19 @@ class Splitter {
     outers_.clear();
     is_used_.assign(locals_.size(), 0);
     for (std::int32_t start = 0; start < num_border_; ++start) {
-      if (is_used_[place(start)] != 0) {
+      if (is_used_[index(start)] != 0) {
         continue;
       }
       Polygon polygon;
       std::int32_t at = start;
       do {
-        if (is_used_[place(at)] != 0) {
+        if (is_used_[index(at)] != 0) {
           return false;
         }
-        is_used_[place(at)] = 1;  // the piece of border that starts here
+        is_used_[index(at)] = 1;  // the piece of border that starts here
         polygon.push_back(at);
         at = (at + 1) % num_border_;
-        if (locals_[place(at)].num_links == 1) {
+        if (locals_[index(at)].num_links == 1) {
           at = follow_chain(at, polygon);
         }
       } while (at != start);
@@ -195,10 +192,10 @@ class Splitter {
   /// Adds a seam's nodes but the last one, which lies on the border again.
   std::int32_t follow_chain(std::int32_t start, Polygon& polygon) {
     std::int32_t from = start;
-    std::int32_t at = locals_[place(start)].links[0];
+    std::int32_t at = locals_[index(start)].links[0];
     polygon.push_back(start);
     while (at >= num_border_) {
-      is_used_[place(at)] = 1;
+      is_used_[index(at)] = 1;
       polygon.push_back(at);
       from = std::exchange(at, next_on_chain(from, at));
     }
@@ -209,7 +206,7 @@ class Splitter {
     std::vector<Polygon> loops;
     for (std::int32_t start = num_border_; start < static_cast<std::int32_t>(locals_.size());
          ++start) {
-      if (is_used_[place(start)] == 0) {
+      if (is_used_[index(start)] == 0) {
         loops.push_back(trace_loop(start));
       }
     }
@@ -222,7 +219,7 @@ class Splitter {
     holes_.assign(outers_.size(), {});
     std::vector<Polygon> loops = closed_seams();
     for (std::size_t i = 0; i < loops.size(); ++i) {
-      const Vector2d& point = flat_[place(loops[i][0])];
+      const Vector2d& point = flat_[index(loops[i][0])];
       for (std::size_t j = 0; j < loops.size(); ++j) {
         if (i != j && is_inside(flat_, loops[j], point)) {
           return false;
@@ -248,10 +245,10 @@ class Splitter {
   /// Counter-clockwise.
   Polygon trace_loop(std::int32_t start) {
     Polygon loop;
-    std::int32_t from = locals_[place(start)].links[1];
+    std::int32_t from = locals_[index(start)].links[1];
     std::int32_t at = start;
     do {
-      is_used_[place(at)] = 1;
+      is_used_[index(at)] = 1;
       loop.push_back(at);
       from = std::exchange(at, next_on_chain(from, at));
     } while (at != start);
@@ -268,9 +265,9 @@ class Splitter {
         return false;
       }
       for (const Triangle& t : triangles_) {
-        out.faces.push_back({locals_[place(t[0])].vertex,
-                             locals_[place(t[1])].vertex,
-                             locals_[place(t[2])].vertex});
+        out.faces.push_back({locals_[index(t[0])].vertex,
+                             locals_[index(t[1])].vertex,
+                             locals_[index(t[2])].vertex});
       }
     }
     return true;

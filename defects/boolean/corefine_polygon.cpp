@@ -10,14 +10,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/index.h"
+
 namespace glint {
 namespace {
 
 using Eigen::Vector2d;
-
-std::size_t place(std::int32_t index) {
-  return static_cast<std::size_t>(index);
-}
 
 double cross(const Vector2d& a, const Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -32,7 +30,7 @@ struct RoundedPoints {
     }
   }
 
-  const Vector2d& operator[](std::int32_t index) const { return points[place(index)]; }
+  const Vector2d& operator[](std::int32_t number) const { return points[index(number)]; }
 
   /// +1 when c lies clearly to the left of the line from a to b, -1 to the right, 0 near the line.
   int side(const Vector2d& a, const Vector2d& b, const Vector2d& c) const {
@@ -73,10 +71,10 @@ class EarClipper {
     rate_all();
     while (left > 3) {
       std::int32_t best = best_ear();
-      if (quality_[place(best)] <= 0.0) {
+      if (quality_[index(best)] <= 0.0) {
         rate_all();  // a corner that was in the way may be gone
         best = best_ear();
-        if (quality_[place(best)] <= 0.0) {
+        if (quality_[index(best)] <= 0.0) {
           return false;
         }
       }
@@ -94,19 +92,19 @@ class EarClipper {
  private:
   static constexpr double kGone = -1.0;
 
-  const Vector2d& point(std::int32_t corner) const { return points_[polygon_[place(corner)]]; }
+  const Vector2d& point(std::int32_t corner) const { return points_[polygon_[index(corner)]]; }
 
   Triangle triangle(std::int32_t corner) const {
-    return {polygon_[place(previous_[place(corner)])],
-            polygon_[place(corner)],
-            polygon_[place(next_[place(corner)])]};
+    return {polygon_[index(previous_[index(corner)])],
+            polygon_[index(corner)],
+            polygon_[index(next_[index(corner)])]};
   }
 
   /// Doubled area over the square of the longest edge; 0 unless clearly counter-clockwise.
   double shape(std::int32_t corner) const {
-    const Vector2d& a = point(previous_[place(corner)]);
+    const Vector2d& a = point(previous_[index(corner)]);
     const Vector2d& b = point(corner);
-    const Vector2d& c = point(next_[place(corner)]);
+    const Vector2d& c = point(next_[index(corner)]);
     if (points_.side(a, b, c) <= 0) {
       return 0.0;
     }
@@ -124,12 +122,12 @@ class EarClipper {
     const Vector2d margin = Vector2d::Constant(points_.error);
     const Vector2d low = a.cwiseMin(b).cwiseMin(c) - margin;
     const Vector2d high = a.cwiseMax(b).cwiseMax(c) + margin;
-    const std::int32_t end = previous_[place(corner)];
-    for (std::int32_t i = next_[place(next_[place(corner)])]; i != end; i = next_[place(i)]) {
+    const std::int32_t end = previous_[index(corner)];
+    for (std::int32_t i = next_[index(next_[index(corner)])]; i != end; i = next_[index(i)]) {
       const Vector2d& p = point(i);
-      const std::int32_t index = polygon_[place(i)];
+      const std::int32_t number = polygon_[index(i)];
       if (p.x() < low.x() || p.x() > high.x() || p.y() < low.y() || p.y() > high.y() ||
-          index == ear[0] || index == ear[1] || index == ear[2]) {
+          number == ear[0] || number == ear[1] || number == ear[2]) {
         continue;
       }
       if (points_.side(a, b, p) >= 0 && points_.side(b, c, p) >= 0 && points_.side(c, a, p) >= 0) {
@@ -141,7 +139,7 @@ class EarClipper {
 
   void rate(std::int32_t corner) {
     const double quality = shape(corner);
-    quality_[place(corner)] = quality > 0.0 && is_blocked(corner) ? 0.0 : quality;
+    quality_[index(corner)] = quality > 0.0 && is_blocked(corner) ? 0.0 : quality;
   }
 
   void rate_all() {
@@ -149,14 +147,14 @@ class EarClipper {
     std::int32_t corner = start;
     do {
       rate(corner);
-      corner = next_[place(corner)];
+      corner = next_[index(corner)];
     } while (corner != start);
   }
 
   std::int32_t best_ear() const {
     std::int32_t best = first_;
-    for (std::int32_t i = next_[place(first_)]; i != first_; i = next_[place(i)]) {
-      if (quality_[place(i)] > quality_[place(best)]) {
+    for (std::int32_t i = next_[index(first_)]; i != first_; i = next_[index(i)]) {
+      if (quality_[index(i)] > quality_[index(best)]) {
         best = i;
       }
     }
@@ -165,11 +163,11 @@ class EarClipper {
 
   void clip(std::int32_t corner, std::vector<Triangle>& triangles) {
     triangles.push_back(triangle(corner));
-    const std::int32_t before = previous_[place(corner)];
-    const std::int32_t after = next_[place(corner)];
-    next_[place(before)] = after;
-    previous_[place(after)] = before;
-    quality_[place(corner)] = kGone;
+    const std::int32_t before = previous_[index(corner)];
+    const std::int32_t after = next_[index(corner)];
+    next_[index(before)] = after;
+    previous_[index(after)] = before;
+    quality_[index(corner)] = kGone;
     first_ = before;
     rate(before);
     rate(after);
@@ -290,10 +288,10 @@ class Bridges {
 
 double doubled_area(const std::vector<Vector2d>& points, const Polygon& polygon) {
   double sum = 0.0;
-  const Vector2d& origin = points[place(polygon[0])];
+  const Vector2d& origin = points[index(polygon[0])];
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    sum += cross(points[place(polygon[i])] - origin,
-                 points[place(polygon[(i + 1) % polygon.size()])] - origin);
+    sum += cross(points[index(polygon[i])] - origin,
+                 points[index(polygon[(i + 1) % polygon.size()])] - origin);
   }
   return sum;
 }
@@ -301,8 +299,8 @@ double doubled_area(const std::vector<Vector2d>& points, const Polygon& polygon)
 bool is_inside(const std::vector<Vector2d>& points, const Polygon& polygon, const Vector2d& point) {
   bool is_odd = false;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vector2d& a = points[place(polygon[i])];
-    const Vector2d& b = points[place(polygon[(i + 1) % polygon.size()])];
+    const Vector2d& a = points[index(polygon[i])];
+    const Vector2d& b = points[index(polygon[(i + 1) % polygon.size()])];
     if ((a.y() > point.y()) != (b.y() > point.y()) &&
         point.x() < a.x() + (b.x() - a.x()) * (point.y() - a.y()) / (b.y() - a.y())) {
       is_odd = !is_odd;

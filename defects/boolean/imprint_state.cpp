@@ -5,16 +5,13 @@
 #include <unordered_map>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "defects/boolean/patch_probe.h"
 
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t place(std::int32_t index) {
-  return static_cast<std::size_t>(index);
-}
 
 bool is_collapsed(const Triangle& triangle) {
   return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
@@ -57,28 +54,28 @@ std::int32_t ImprintedMeshState::num_vertices() const {
   return static_cast<std::int32_t>(base_->mesh.vertices_mm.size() + added_vertices_mm_.size());
 }
 
-const Vector3d& ImprintedMeshState::vertex(std::int32_t index) const {
+const Vector3d& ImprintedMeshState::vertex(std::int32_t number) const {
   const std::size_t num_base = base_->mesh.vertices_mm.size();
-  return place(index) < num_base ? base_->mesh.vertices_mm[place(index)]
-                                 : added_vertices_mm_[place(index) - num_base];
+  return index(number) < num_base ? base_->mesh.vertices_mm[index(number)]
+                                  : added_vertices_mm_[index(number) - num_base];
 }
 
 const Triangle& ImprintedMeshState::triangle(std::int32_t face) const {
-  return face < num_base_faces() ? base_->mesh.triangles[place(face)]
-                                 : added_faces_[place(face - num_base_faces())].vertices;
+  return face < num_base_faces() ? base_->mesh.triangles[index(face)]
+                                 : added_faces_[index(face - num_base_faces())].vertices;
 }
 
 std::int32_t ImprintedMeshState::label(std::int32_t face) const {
-  return face < num_base_faces() ? 0 : added_faces_[place(face - num_base_faces())].label;
+  return face < num_base_faces() ? 0 : added_faces_[index(face - num_base_faces())].label;
 }
 
 std::int32_t ImprintedMeshState::origin(std::int32_t face) const {
-  return face < num_base_faces() ? face : added_faces_[place(face - num_base_faces())].origin;
+  return face < num_base_faces() ? face : added_faces_[index(face - num_base_faces())].origin;
 }
 
 std::int32_t ImprintedMeshState::patch(std::int32_t face) const {
   const std::int32_t from = origin(face);
-  return from < 0 ? -1 : base_->mesh.patch_of(place(from));
+  return from < 0 ? -1 : base_->mesh.patch_of(index(from));
 }
 
 TestFace ImprintedMeshState::test_face(std::int32_t face) const {
@@ -97,7 +94,7 @@ bool ImprintedMeshState::contains(const Vector3d& point) const {
 
 void ImprintedMeshState::apply(const PatchChange& change) {
   for (const std::int32_t face : change.removed) {
-    is_removed_[place(face)] = true;
+    is_removed_[index(face)] = true;
   }
   const auto first_face = static_cast<std::int32_t>(is_removed_.size());
   blocks_.push_back({first_face, std::make_shared<const BoxTree>(change.boxes)});
@@ -138,7 +135,7 @@ PatchChange ImprintedMeshState::change_to(const MeshCutout& finer) const {
   PatchChange change;
   const std::size_t num_old = finer.vertices.size();
   const auto number_of = [&](std::int32_t vertex) {
-    return place(vertex) < num_old ? finer.vertices[place(vertex)]
+    return index(vertex) < num_old ? finer.vertices[index(vertex)]
                                    : num_vertices() + vertex - static_cast<std::int32_t>(num_old);
   };
   const auto& points = finer.mesh.vertices_mm;
@@ -162,11 +159,11 @@ PatchChange ImprintedMeshState::change_to(const MeshCutout& finer) const {
 
 /// Copies the vertices that are used; returns the new index of each.
 std::vector<std::int32_t> ImprintedMeshState::renumbered_vertices(TriangleMesh& out) const {
-  std::vector<std::int32_t> renumbered(place(num_vertices()), -1);
+  std::vector<std::int32_t> renumbered(index(num_vertices()), -1);
   for (std::size_t face = 0; face < is_removed_.size(); ++face) {
     if (!is_removed_[face]) {
       for (const std::int32_t corner : triangle(static_cast<std::int32_t>(face))) {
-        renumbered[place(corner)] = 0;
+        renumbered[index(corner)] = 0;
       }
     }
   }
@@ -195,7 +192,7 @@ ImprintedMesh::Labelled ImprintedMeshState::result() const {
     const auto face = static_cast<std::int32_t>(i);
     const Triangle& from = triangle(face);
     out.mesh.triangles.push_back(
-        {renumbered[place(from[0])], renumbered[place(from[1])], renumbered[place(from[2])]});
+        {renumbered[index(from[0])], renumbered[index(from[1])], renumbered[index(from[2])]});
     out.labels.push_back(label(face));
     out.origin.push_back(origin(face));
     if (has_patches) {

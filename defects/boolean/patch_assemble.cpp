@@ -6,14 +6,12 @@
 
 #include <Eigen/Geometry>
 
+#include "core/index.h"
+
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t place(std::int32_t index) {
-  return static_cast<std::size_t>(index);
-}
 
 /// Six times the volume between a triangle and a point.
 double volume6(const Corners& c, const Vector3d& origin) {
@@ -53,7 +51,7 @@ class Assembler {
     const CorefinedMesh& cut = s_.cut.first;
     std::vector<std::int32_t> num_pieces(s_.rings.part.faces.size(), 0);
     for (const std::int32_t parent : cut.parent) {
-      ++num_pieces[place(parent)];
+      ++num_pieces[index(parent)];
     }
     is_split_.resize(num_pieces.size());
     std::transform(num_pieces.begin(), num_pieces.end(), is_split_.begin(), [](std::int32_t n) {
@@ -63,8 +61,8 @@ class Assembler {
       const std::int32_t parent = cut.parent[i];
       const bool is_inside = s_.part_pieces.is_inside(static_cast<std::int32_t>(i));
       out_.num_swallowed += is_inside ? 1 : 0;
-      if (is_inside || is_split_[place(parent)] != 0) {
-        out_.is_removed[place(s_.rings.part.faces[place(parent)])] = 1;
+      if (is_inside || is_split_[index(parent)] != 0) {
+        out_.is_removed[index(s_.rings.part.faces[index(parent)])] = 1;
       }
     }
     for (std::size_t i = 0; i < out_.is_removed.size(); ++i) {
@@ -82,15 +80,15 @@ class Assembler {
     std::int32_t last_parent = -1;
     for (std::size_t i = 0; i < cut.faces.size(); ++i) {
       const std::int32_t parent = cut.parent[i];
-      if (is_split_[place(parent)] == 0 || s_.part_pieces.is_inside(static_cast<std::int32_t>(i))) {
+      if (is_split_[index(parent)] == 0 || s_.part_pieces.is_inside(static_cast<std::int32_t>(i))) {
         continue;
       }
       Triangle ids = {};
       std::transform(cut.faces[i].begin(), cut.faces[i].end(), ids.begin(), [&](std::int32_t v) {
         return part_vertex(v);
       });
-      const std::int32_t in_patch = s_.rings.part.faces[place(parent)];
-      const std::int32_t face = s_.patch.faces[place(in_patch)];
+      const std::int32_t in_patch = s_.rings.part.faces[index(parent)];
+      const std::int32_t face = s_.patch.faces[index(in_patch)];
       add_face({ids, part_.label(face), part_.origin(face)}, true, in_patch);
       if (parent != last_parent) {
         out_.split_parents.push_back(in_patch);
@@ -106,7 +104,7 @@ class Assembler {
     const CorefinedMesh& cut = s_.cut.second;
     std::vector<std::int32_t> num_pieces(s_.rings.tool.faces.size(), 0);
     for (const std::int32_t parent : cut.parent) {
-      ++num_pieces[place(parent)];
+      ++num_pieces[index(parent)];
     }
     for (std::size_t i = 0; i < cut.faces.size(); ++i) {
       if (s_.tool_pieces.is_inside(static_cast<std::int32_t>(i)) != is_cutting_) {
@@ -116,7 +114,7 @@ class Assembler {
       std::transform(cut.faces[i].begin(), cut.faces[i].end(), ids.begin(), [&](std::int32_t v) {
         return tool_vertex(v);
       });
-      add_tool_face(ids, num_pieces[place(cut.parent[i])] > 1);
+      add_tool_face(ids, num_pieces[index(cut.parent[i])] > 1);
     }
     for (std::size_t i = 0; i < s_.tool.triangles.size(); ++i) {
       const auto face = static_cast<std::int32_t>(i);
@@ -151,7 +149,7 @@ class Assembler {
 
   const Vector3d& point(std::int32_t vertex) const {
     const std::int32_t num_old = part_.num_vertices();
-    return vertex < num_old ? part_.vertex(vertex) : out_.vertices_mm[place(vertex - num_old)];
+    return vertex < num_old ? part_.vertex(vertex) : out_.vertices_mm[index(vertex - num_old)];
   }
 
   std::int32_t add_vertex(const Vector3d& point_mm) {
@@ -161,30 +159,30 @@ class Assembler {
 
   std::int32_t part_vertex(std::int32_t cut_vertex) {
     const std::vector<std::int32_t>& old = s_.rings.part.vertex_ids;
-    if (place(cut_vertex) < old.size()) {
-      return old[place(cut_vertex)];
+    if (index(cut_vertex) < old.size()) {
+      return old[index(cut_vertex)];
     }
-    std::int32_t& vertex = part_points_[place(cut_vertex)];
+    std::int32_t& vertex = part_points_[index(cut_vertex)];
     if (vertex < 0) {
-      vertex = add_vertex(s_.cut.first.points_mm[place(cut_vertex)]);
+      vertex = add_vertex(s_.cut.first.points_mm[index(cut_vertex)]);
     }
     return vertex;
   }
 
   std::int32_t tool_vertex(std::int32_t cut_vertex) {
-    const std::int32_t on_seam = s_.seam.part_vertex[place(cut_vertex)];
+    const std::int32_t on_seam = s_.seam.part_vertex[index(cut_vertex)];
     if (on_seam >= 0) {
       return part_vertex(on_seam);
     }
     const std::vector<std::int32_t>& old = s_.rings.tool.vertex_ids;
-    return place(cut_vertex) < old.size() ? whole_tool_vertex(old[place(cut_vertex)])
-                                          : add_vertex(s_.cut.second.points_mm[place(cut_vertex)]);
+    return index(cut_vertex) < old.size() ? whole_tool_vertex(old[index(cut_vertex)])
+                                          : add_vertex(s_.cut.second.points_mm[index(cut_vertex)]);
   }
 
   std::int32_t whole_tool_vertex(std::int32_t tool_vertex) {
-    std::int32_t& vertex = tool_points_[place(tool_vertex)];
+    std::int32_t& vertex = tool_points_[index(tool_vertex)];
     if (vertex < 0) {
-      vertex = add_vertex(s_.tool.vertices_mm[place(tool_vertex)]);
+      vertex = add_vertex(s_.tool.vertices_mm[index(tool_vertex)]);
     }
     return vertex;
   }
@@ -194,7 +192,7 @@ class Assembler {
     const Vector3d origin = s_.tool.vertices_mm[0];
     double sum = 0.0;
     for (const std::int32_t face : out_.removed) {
-      sum += volume6(s_.patch.tests[place(face)].corners, origin);
+      sum += volume6(s_.patch.tests[index(face)].corners, origin);
     }
     for (const TestFace& face : out_.tests) {
       sum -= volume6(face.corners, origin);

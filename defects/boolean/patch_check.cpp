@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/index.h"
 #include "defects/boolean/box_tree.h"
 #include "defects/boolean/patch_crossings.h"
 #include "defects/boolean/patch_edges.h"
@@ -19,17 +20,13 @@
 namespace glint {
 namespace {
 
-std::size_t place(std::int32_t index) {
-  return static_cast<std::size_t>(index);
-}
-
 /// Edges of the removed faces towards faces that stay, or towards nothing.
 std::vector<std::uint64_t> old_border(const NewSurface& surface, const Patch& patch) {
   std::vector<std::uint64_t> border;
   for (const std::int32_t face : surface.removed) {
     for (std::int32_t corner = 3 * face; corner < 3 * face + 3; ++corner) {
-      const std::int32_t other = patch.edges.opposite[place(corner)];
-      if (other < 0 || surface.is_removed[place(other / 3)] == 0) {
+      const std::int32_t other = patch.edges.opposite[index(corner)];
+      if (other < 0 || surface.is_removed[index(other / 3)] == 0) {
         border.push_back(edge_key(vertex_at(patch.triangles, corner),
                                   vertex_at(patch.triangles, next_corner(corner))));
       }
@@ -81,7 +78,7 @@ std::vector<std::int32_t> staying_neighbours(const NewSurface& surface,
                                              const ImprintedMeshState& part) {
   std::vector<std::int32_t> neighbours;
   for (const std::int32_t parent : surface.split_parents) {
-    const FloatBox query = patch.tests[place(parent)].box();
+    const FloatBox query = patch.tests[index(parent)].box();
     part.visit_if([&](const FloatBox& box) { return box.overlaps(query); },
                   [&](std::int32_t face) { neighbours.push_back(face); });
   }
@@ -90,10 +87,10 @@ std::vector<std::int32_t> staying_neighbours(const NewSurface& surface,
   std::vector<std::int32_t> staying;
   std::size_t next = 0;
   for (const std::int32_t face : neighbours) {
-    while (next < surface.removed.size() && patch.faces[place(surface.removed[next])] < face) {
+    while (next < surface.removed.size() && patch.faces[index(surface.removed[next])] < face) {
       ++next;
     }
-    if (next == surface.removed.size() || patch.faces[place(surface.removed[next])] != face) {
+    if (next == surface.removed.size() || patch.faces[index(surface.removed[next])] != face) {
       staying.push_back(face);
     }
   }
@@ -123,7 +120,7 @@ class CutFaces {
   bool cross_each_other() const {
     for (std::size_t i = 0; i < surface_.tests.size(); ++i) {
       const std::int32_t parent = surface_.parent[i];
-      const TestFace* before = parent < 0 ? nullptr : &patch_.tests[place(parent)];
+      const TestFace* before = parent < 0 ? nullptr : &patch_.tests[index(parent)];
       const bool is_cut = surface_.is_cut[i] != 0;
       if (crosses(
               surface_.tests[i], before, [&](std::size_t j) { return is_cut ? j > i : j != i; })) {
@@ -143,8 +140,8 @@ class CutFaces {
   template <class Wanted>
   bool crosses(const TestFace& face, const TestFace* before, const Wanted& is_wanted) const {
     bool is_found = false;
-    tree_.visit(face.box(), [&](std::int32_t index) {
-      const std::size_t j = cut_[place(index)];
+    tree_.visit(face.box(), [&](std::int32_t number) {
+      const std::size_t j = cut_[index(number)];
       is_found = is_found || (is_wanted(j) && faces_cross(face, surface_.tests[j]) &&
                               !crossed_already(before, surface_.parent[j]));
     });
@@ -155,7 +152,7 @@ class CutFaces {
     if (before == nullptr || parent < 0) {
       return false;
     }
-    const TestFace& other = patch_.tests[place(parent)];
+    const TestFace& other = patch_.tests[index(parent)];
     return before->ids != other.ids && faces_cross(*before, other);
   }
 

@@ -14,16 +14,13 @@
 
 #include <Eigen/Geometry>
 
+#include "core/index.h"
 #include "core/units.h"
 
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t place(std::int32_t index) {
-  return static_cast<std::size_t>(index);
-}
 
 /// A vertex of the seam in one of the two cut meshes.
 struct SeamPoint {
@@ -48,9 +45,9 @@ void add_seam_points(const CorefinedMesh& mesh, int which, std::vector<SeamPoint
     const auto start = static_cast<std::int32_t>(corner);
     for (const std::int32_t end : {start, next_corner(start)}) {
       const std::int32_t vertex = vertex_at(mesh.faces, end);
-      if (is_seen[place(vertex)] == 0) {
-        is_seen[place(vertex)] = 1;
-        points.push_back({mesh.points_mm[place(vertex)], which, vertex});
+      if (is_seen[index(vertex)] == 0) {
+        is_seen[index(vertex)] = 1;
+        points.push_back({mesh.points_mm[index(vertex)], which, vertex});
       }
     }
   }
@@ -75,7 +72,7 @@ SharedPoints number_points(const CorefinedPair& cut) {
       shared.part_vertex.push_back(points[i].mesh == 0 ? points[i].vertex : -1);
     }
     const auto number = static_cast<std::int32_t>(shared.part_vertex.size()) - 1;
-    shared.number[static_cast<std::size_t>(points[i].mesh)][place(points[i].vertex)] = number;
+    shared.number[static_cast<std::size_t>(points[i].mesh)][index(points[i].vertex)] = number;
   }
   return shared;
 }
@@ -96,7 +93,7 @@ class SeamEdges {
   bool is_unique() const { return is_unique_; }
 
   std::int32_t from(std::int32_t corner) const {
-    return number_[place(vertex_at(mesh_.faces, corner))];
+    return number_[index(vertex_at(mesh_.faces, corner))];
   }
 
   std::int32_t to(std::int32_t corner) const { return from(next_corner(corner)); }
@@ -142,7 +139,7 @@ class AngleFrame {
   /// Of the face to which a corner belongs, by its third point.
   double angle(const CorefinedMesh& mesh, std::int32_t corner) const {
     const std::int32_t apex = vertex_at(mesh.faces, previous_corner(corner));
-    const Vector3d offset = mesh.points_mm[place(apex)] - origin_;
+    const Vector3d offset = mesh.points_mm[index(apex)] - origin_;
     return std::atan2(offset.dot(v_), offset.dot(u_));
   }
 
@@ -171,7 +168,7 @@ double depth_in_sector(double right, double left, double angle) {
 /// The corner of a face whose edge runs between two vertices; -1 when there is none.
 std::int32_t corner_with(const Triangle& ids, std::int32_t from, std::int32_t to) {
   for (std::int32_t k = 0; k < 3; ++k) {
-    if (ids[place(k)] == from && ids[place((k + 1) % 3)] == to) {
+    if (ids[index(k)] == from && ids[index((k + 1) % 3)] == to) {
       return k;
     }
   }
@@ -184,8 +181,8 @@ int count_loops(const Seam& seam, const CorefinedMesh& part) {
   for (const Seam::Edge& edge : seam.edges) {
     const std::int32_t from = vertex_at(part.faces, edge.left);
     const std::int32_t to = vertex_at(part.faces, next_corner(edge.left));
-    is_used[place(from)] = 1;
-    is_used[place(to)] = 1;
+    is_used[index(from)] = 1;
+    is_used[index(to)] = 1;
     sets.join(from, to);
   }
   int loops = 0;
@@ -202,7 +199,7 @@ bool match_vertices(const CorefinedPair& cut, const SharedPoints& shared, Seam& 
   for (std::size_t i = 0; i < seam.part_vertex.size(); ++i) {
     const std::int32_t number = shared.number[1][i];
     if (number >= 0) {
-      seam.part_vertex[i] = shared.part_vertex[place(number)];
+      seam.part_vertex[i] = shared.part_vertex[index(number)];
       if (seam.part_vertex[i] < 0) {
         return false;
       }
@@ -251,30 +248,30 @@ Pieces::Pieces(const CorefinedMesh& cut,
       weight_(cut.faces.size() + surface.size(), 0.0),
       has_votes_(cut.faces.size() + surface.size(), 0) {
   for (const std::int32_t face : ring.faces) {
-    in_ring_[place(face)] = 1;
+    in_ring_[index(face)] = 1;
   }
   for (std::int32_t corner = 0; corner < 3 * static_cast<std::int32_t>(surface.size()); ++corner) {
-    const std::int32_t other = edges.opposite[place(corner)];
+    const std::int32_t other = edges.opposite[index(corner)];
     if (other >= 0 && !is_in_ring(corner / 3) && !is_in_ring(other / 3)) {
       sets_.join(member_of_face(corner / 3), member_of_face(other / 3));
     }
   }
   const auto num_old = static_cast<std::int32_t>(ring.vertex_ids.size());
   for (std::int32_t corner = 0; corner < 3 * num_cut_; ++corner) {
-    const std::int32_t other = cut.opposite[place(corner)];
+    const std::int32_t other = cut.opposite[index(corner)];
     const std::int32_t from = vertex_at(cut.faces, corner);
     const std::int32_t to = vertex_at(cut.faces, next_corner(corner));
-    if (cut.is_seam[place(corner)] != 0) {
+    if (cut.is_seam[index(corner)] != 0) {
       continue;
     }
     if (other >= 0) {
       sets_.join(corner / 3, other / 3);
     } else if (from < num_old && to < num_old) {
       // The ring's border: it does not meet the other surface, so its edges are still whole.
-      const std::int32_t face = ring.faces[place(cut.parent[place(corner / 3)])];
+      const std::int32_t face = ring.faces[index(cut.parent[index(corner / 3)])];
       const std::int32_t k = corner_with(
-          surface[place(face)].ids, ring.vertex_ids[place(from)], ring.vertex_ids[place(to)]);
-      const std::int32_t beyond = k < 0 ? -1 : edges.opposite[place(3 * face + k)];
+          surface[index(face)].ids, ring.vertex_ids[index(from)], ring.vertex_ids[index(to)]);
+      const std::int32_t beyond = k < 0 ? -1 : edges.opposite[index(3 * face + k)];
       if (beyond >= 0 && !is_in_ring(beyond / 3)) {
         sets_.join(corner / 3, member_of_face(beyond / 3));
       }
@@ -289,9 +286,9 @@ void Pieces::vote(std::int32_t cut_face, double weight) {
 
 void vote_along(const Seam& seam, const CorefinedPair& cut, Pieces& part, Pieces& tool) {
   for (const Seam::Edge& edge : seam.edges) {
-    const Vector3d& from = cut.first.points_mm[place(vertex_at(cut.first.faces, edge.left))];
+    const Vector3d& from = cut.first.points_mm[index(vertex_at(cut.first.faces, edge.left))];
     const Vector3d& to =
-        cut.first.points_mm[place(vertex_at(cut.first.faces, next_corner(edge.left)))];
+        cut.first.points_mm[index(vertex_at(cut.first.faces, next_corner(edge.left)))];
     const double length_mm = (to - from).norm();
     const AngleFrame frame(from, to);
     const double left = frame.angle(cut.first, edge.left);
@@ -316,8 +313,8 @@ bool breaks_through(const Seam& seam, Pieces& part, Pieces& tool) {
         }
         const std::int32_t part_piece = part.piece_of(p);
         const std::int32_t tool_piece = tool.piece_of(t);
-        std::int32_t& first_part = part_of[place(tool_piece)];
-        std::int32_t& first_tool = tool_of[place(part_piece)];
+        std::int32_t& first_part = part_of[index(tool_piece)];
+        std::int32_t& first_tool = tool_of[index(part_piece)];
         if ((first_part >= 0 && first_part != part_piece) ||
             (first_tool >= 0 && first_tool != tool_piece)) {
           return true;

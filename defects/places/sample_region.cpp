@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/pose.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
 
 namespace glint {
@@ -19,10 +20,6 @@ using Kind = DefectRegion::Kind;
 
 /// What rounding may put a point out of a box that ends on the surface.
 constexpr double kSlack_mm = 1e-6;
-
-Vector3d vector_of(const std::vector<double>& numbers) {
-  return {numbers[0], numbers[1], numbers[2]};
-}
 
 /// The box of the region, or around its sphere, in the part frame.
 BoundingBox box_of(const DefectRegion& region) {

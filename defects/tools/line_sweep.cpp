@@ -20,7 +20,7 @@ constexpr double kExactShare = 0.01;  ///< the same where the surface is exact
 constexpr double kOnPatch = 1e-4;     ///< of the length: a path's chords are nearer to its surface
 constexpr double kMaxBend = 0.35;     ///< of the distance across that a section is bent by
 constexpr double kWarpShare = 0.2;    ///< of the width that a side of a twisted slab may warp
-constexpr int kMaxSlabs = 1000;
+constexpr int kMaxLineSlabs = 1000;
 constexpr double kTightBend = 0.1;  ///< size of the tool over the path's radius, see is_tight()
 constexpr double kMinStep = 0.1;    ///< of the step that remains between neighbouring sections
 
@@ -61,7 +61,7 @@ int number_of_slabs(const LineTool& shape, const LineFrames& frames, double sag_
     const double twist_step = kWarpShare * shape.width_mm / (bend * height);
     needed = std::max(needed, shape.length_mm / std::min(sag_step, twist_step));
   }
-  needed = std::min<double>(kMaxSlabs, needed);
+  needed = std::min<double>(kMaxLineSlabs, needed);
   return 2 * std::max(4, static_cast<int>(std::ceil(0.5 * needed)));
 }
 

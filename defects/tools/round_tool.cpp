@@ -13,7 +13,7 @@ namespace glint {
 namespace {
 
 /// How far over the surface the shape below it goes on, as a share of depth or radius.
-constexpr double kMargin = 0.25;
+constexpr double kRoundMargin = 0.25;
 constexpr int kProfilePoints = 1000;
 constexpr double kMinFactor = 0.25;  ///< limits of the noise's factor on a point's distance
 constexpr double kMaxFactor = 2.5;
@@ -38,7 +38,7 @@ Rings rings_of(int level) {
 }
 
 double margin_mm(const RoundTool& shape) {
-  return std::min(kMargin * std::min(shape.depth_mm, 0.5 * shape.diameter_mm),
+  return std::min(kRoundMargin * std::min(shape.depth_mm, 0.5 * shape.diameter_mm),
                   0.2 * shape.reach_mm);
 }
 

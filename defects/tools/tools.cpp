@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t kChooseIndex = 0x746f6f6d00;  ///< draws of a defect's seed: which tool
 constexpr double kSlabShare = 1.0 / 64.0;             ///< of the length of an own tool that is bent
-constexpr double kMaxBend = 0.5;                      ///< of a round tool, times its radius
+constexpr double kMaxRoundBend = 0.5;                 ///< of a round tool, times its radius
 constexpr double kChordShare = 0.005;                 ///< of the depth, of a bent tool's triangles
 constexpr std::size_t kMaxTriangles = 400'000;        ///< of a bent tool
 
@@ -100,7 +100,7 @@ TriangleMesh placed_soundly(const TriangleMesh& mesh,
                             const Defect& defect,
                             const SurfaceBend& bend,
                             bool stands_any_bend) {
-  const SurfaceSag sag(defect.place, bend, 2.0 * kMaxBend / defect.diameter_mm);
+  const SurfaceSag sag(defect.place, bend, 2.0 * kMaxRoundBend / defect.diameter_mm);
   double share = 1.0;
   for (int halvings = 0; halvings < 6; ++halvings) {
     TriangleMesh bent = placed(mesh, defect, sag, share);

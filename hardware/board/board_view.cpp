@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "core/error.h"
@@ -26,6 +28,10 @@ std::string outcome_name(BoardOutcome outcome) {
   constexpr std::array<const char*, 7> kNames = {
       "accepted", "no board", "cut off", "blurred", "saturated", "dark", "doubled"};
   return kNames[static_cast<std::size_t>(outcome)];
+}
+
+BoardView refused(BoardOutcome outcome, std::string why) {
+  return {.outcome = outcome, .why = std::move(why)};
 }
 
 BoardView refused_as_larger(const Board& board, const Eigen::Vector2i& larger_grid) {

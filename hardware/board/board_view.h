@@ -44,6 +44,9 @@ struct BoardView {
   bool is_accepted() const { return outcome == BoardOutcome::kAccepted; }
 };
 
+/// A picture that was not accepted.
+BoardView refused(BoardOutcome outcome, std::string why);
+
 /// No board of the kind looked for, but a larger one.
 BoardView refused_as_larger(const Board& board, const Eigen::Vector2i& larger_grid);
 

@@ -70,10 +70,6 @@ bool is_whole(const BestGrid& best, const Board& board) {
          best.found.num_beyond <= std::min(board.cols, board.rows) / 2;
 }
 
-BoardView refused(BoardOutcome outcome, std::string why) {
-  return {.outcome = outcome, .why = std::move(why)};
-}
-
 /// A grey value that a share of the pixels does not exceed.
 double grey_quantile(const ImageF& picture, double share) {
   std::vector<float> values(picture.values().begin(), picture.values().end());

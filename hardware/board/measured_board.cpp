@@ -22,10 +22,6 @@ constexpr double kFewestNoises = 4.0;    ///< of the contrast
 constexpr double kLeastContrast = 0.02;  ///< of full scale
 constexpr double kMostBend = 0.1;        ///< rms from a plane, of the way to the next edges
 
-BoardView refused(BoardOutcome outcome, std::string why) {
-  return {.outcome = outcome, .why = std::move(why)};
-}
-
 Eigen::Vector2d size_of(const PictureLevels& levels) {
   return {levels.width(), levels.height()};
 }

@@ -10,9 +10,9 @@
 namespace glint {
 namespace {
 
-constexpr int kBorder = 7;         ///< room for a circle and its interpolation, px
-constexpr int kCircle = 32;        ///< samples
-constexpr double kFewest = 0.005;  ///< bright minus dark: less is noise of any camera
+constexpr int kBorder = 7;            ///< room for a circle and its interpolation, px
+constexpr int kCircle = 32;           ///< samples
+constexpr double kLeastStep = 0.005;  ///< bright minus dark: less is noise of any camera
 
 /// A pixel whose determinant is the largest nearby.
 struct Peak {
@@ -209,7 +209,7 @@ std::optional<SaddlePoint> tested(const ImageF& smooth,
   const auto [low, high] = std::ranges::minmax(values);
   const double middle = 0.5 * (low + high);
   const auto angles = crossings(values, middle);
-  if (high - low < kFewest || !angles || !is_corner(values, *angles, middle, high - low)) {
+  if (high - low < kLeastStep || !angles || !is_corner(values, *angles, middle, high - low)) {
     return std::nullopt;
   }
   const double rising = 0.5 * ((*angles)[0] + (*angles)[2] - kPi);

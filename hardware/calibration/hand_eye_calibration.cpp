@@ -15,8 +15,6 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-using Work = HandEyeWork;
-
 /// Of six degrees of freedom: passed by 1 right picture in 100 000.
 constexpr double kChiSquareLimit = 33.1;
 
@@ -36,7 +34,7 @@ bool is_rigid(const Isometry3d& pose) {
          pose.linear().determinant() > 0.0;
 }
 
-std::string fault_of_input(const Work& work) {
+std::string fault_of_input(const HandEyeWork& work) {
   if (work.pictures.size() != work.base_from_flange.size()) {
     return fmt::format(
         "{} pictures but {} robot poses", work.pictures.size(), work.base_from_flange.size());
@@ -49,7 +47,7 @@ std::string fault_of_input(const Work& work) {
   return {};
 }
 
-BoardSymmetry symmetry_of(const Work& work) {
+BoardSymmetry symmetry_of(const HandEyeWork& work) {
   Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity());
   Vector3d high = -low;
   for (const BoardCorners& corners : work.pictures) {
@@ -68,7 +66,7 @@ BoardSymmetry symmetry_of(const Work& work) {
 }
 
 /// What the camera's calibration says of each picture.
-void take_camera(Work& work) {
+void take_camera(HandEyeWork& work) {
   std::vector<double> distances;
   for (std::size_t i = 0; i < work.pictures.size(); ++i) {
     const CalibratedPicture& picture = work.result.camera.pictures[i];
@@ -88,7 +86,7 @@ void take_camera(Work& work) {
 }
 
 /// Makes the board that is assumed larger.
-void resize_board(Work& work, double factor) {
+void resize_board(HandEyeWork& work, double factor) {
   work.size *= factor;
   work.distance_mm *= factor;
   work.symmetry.center_mm *= factor;
@@ -104,7 +102,7 @@ void resize_board(Work& work, double factor) {
   }
 }
 
-std::string refuse_motion(Work& work, const std::vector<std::size_t>& members) {
+std::string refuse_motion(HandEyeWork& work, const std::vector<std::size_t>& members) {
   std::vector<Isometry3d> poses;
   for (const std::size_t i : members) {
     poses.push_back(work.base_from_flange[i]);
@@ -114,7 +112,7 @@ std::string refuse_motion(Work& work, const std::vector<std::size_t>& members) {
 }
 
 /// A bundle without views, at the robust solution.
-Bundle start_bundle(const Work& work, const RobustHandEye& robust) {
+Bundle start_bundle(const HandEyeWork& work, const RobustHandEye& robust) {
   const CameraCalibration& camera = work.result.camera;
   Bundle bundle{.mounting = work.options.mounting,
                 .lens = camera.lens,
@@ -131,7 +129,7 @@ Bundle start_bundle(const Work& work, const RobustHandEye& robust) {
 }
 
 /// Views of the accepted pictures; the board lies as in the first of them.
-void take_members(Work& work) {
+void take_members(HandEyeWork& work) {
   Bundle& bundle = work.result.bundle;
   bundle.views.clear();
   int shift = -1;
@@ -155,14 +153,14 @@ void take_members(Work& work) {
 }
 
 /// Looser while the noise sizes rest on few pictures.
-double chi_square_limit(const Work& work, bool is_first) {
+double chi_square_limit(const HandEyeWork& work, bool is_first) {
   const double freedom =
       std::max(1.0, 6.0 * static_cast<double>(work.result.bundle.views.size()) - 12.0);
   return kChiSquareLimit * (1.0 + 20.0 / freedom) * (is_first ? 2.0 : 1.0);
 }
 
 /// Tries all pictures against the solution. True when the same ones are accepted as before.
-bool accept_again(Work& work, bool is_first) {
+bool accept_again(HandEyeWork& work, bool is_first) {
   bool is_same = true;
   for (const std::size_t i : work.seen) {
     HandEyePicture& picture = work.result.pictures[i];
@@ -179,14 +177,14 @@ bool accept_again(Work& work, bool is_first) {
   return is_same;
 }
 
-bool is_few(const Work& work) {
+bool is_few(const HandEyeWork& work) {
   constexpr std::size_t kFew = 8;
   return work.seen.size() < kFew;
 }
 
 /// Least squares over all accepted pictures; with a free size by turns with steps of the size.
 /// False when the minimiser fails, or the size does not settle.
-bool fit(Work& work) {
+bool fit(HandEyeWork& work) {
   constexpr double kSmallStep = 0.02;  // in standard deviations of the size
   constexpr int kMostSteps = 8;
   for (int step = 0; step < kMostSteps; ++step) {
@@ -210,7 +208,7 @@ bool fit(Work& work) {
 }
 
 /// Solves and accepts by turns until the same pictures stay. False when the minimiser fails.
-bool solve(Work& work) {
+bool solve(HandEyeWork& work) {
   for (int round = 0; round < 8; ++round) {
     take_members(work);
     if (work.result.bundle.views.size() < 3 || !fit(work)) {
@@ -225,7 +223,7 @@ bool solve(Work& work) {
 }
 
 /// The covariances of what is shared grow by what the size leaves open.
-void take_size(const Work& work, HandEyeCalibration& result) {
+void take_size(const HandEyeWork& work, HandEyeCalibration& result) {
   BoardScale scale = board_scale(result.bundle);
   if (work.is_size_free) {
     result.covariance += scale.coupling * scale.coupling.transpose();
@@ -236,7 +234,7 @@ void take_size(const Work& work, HandEyeCalibration& result) {
   result.scale = scale;
 }
 
-void take_result(Work& work) {
+void take_result(HandEyeWork& work) {
   HandEyeCalibration& result = work.result;
   result.lens = result.bundle.lens;
   result.poses = result.bundle.poses;
@@ -266,7 +264,7 @@ BoardOrientation orientation_of(const HandEyeOptions& options) {
 }
 
 /// Pictures whose board was seen and whose pose was not thrown out.
-std::vector<std::size_t> accepted_pictures(const Work& work) {
+std::vector<std::size_t> accepted_pictures(const HandEyeWork& work) {
   std::vector<std::size_t> members;
   for (const std::size_t i : work.seen) {
     if (work.result.pictures[i].accepted) {
@@ -277,7 +275,7 @@ std::vector<std::size_t> accepted_pictures(const Work& work) {
 }
 
 /// The camera, and how the robot moved. A refusal; empty when there is none.
-std::string prepare(Work& work) {
+std::string prepare(HandEyeWork& work) {
   HandEyeCalibration& result = work.result;
   if (std::string fault = fault_of_input(work); !fault.empty()) {
     return fault;
@@ -291,7 +289,7 @@ std::string prepare(Work& work) {
   return refuse_motion(work, work.seen);
 }
 
-std::vector<PosePair> turned_inliers(const Work& work, const RobustHandEye& robust) {
+std::vector<PosePair> turned_inliers(const HandEyeWork& work, const RobustHandEye& robust) {
   std::vector<PosePair> inliers;
   for (std::size_t k = 0; k < work.pairs.size(); ++k) {
     if (robust.is_inlier[k]) {
@@ -304,7 +302,7 @@ std::vector<PosePair> turned_inliers(const Work& work, const RobustHandEye& robu
 }
 
 /// A hand-eye that most pictures agree on; with a free size at the size that they say.
-std::optional<RobustHandEye> robust_start(Work& work) {
+std::optional<RobustHandEye> robust_start(HandEyeWork& work) {
   constexpr int kMostSteps = 5;
   constexpr double kSmallStep = 1e-3;
   std::optional<RobustHandEye> robust;
@@ -324,7 +322,7 @@ std::optional<RobustHandEye> robust_start(Work& work) {
 }
 
 /// Of few pictures that agree roughly it is not said that they contradict each other.
-std::string refusal_to_converge(const Work& work, const RobustHandEye& robust) {
+std::string refusal_to_converge(const HandEyeWork& work, const RobustHandEye& robust) {
   constexpr double kRoughShareOfDistance = 0.03;
   if (is_few(work) && robust.median_mm < kRoughShareOfDistance * work.distance_mm) {
     return fmt::format(
@@ -337,7 +335,7 @@ std::string refusal_to_converge(const Work& work, const RobustHandEye& robust) {
 }
 
 /// From the pictures whose board lies within some of the robust start's medians.
-bool solve_near(const RobustHandEye& robust, double medians, Work& work) {
+bool solve_near(const RobustHandEye& robust, double medians, HandEyeWork& work) {
   for (std::size_t k = 0; k < work.seen.size(); ++k) {
     HandEyePicture& picture = work.result.pictures[work.seen[k]];
     picture.accepted = robust.deviation_mm[k] <= std::max(medians * robust.median_mm, 1e-6);
@@ -349,10 +347,10 @@ bool solve_near(const RobustHandEye& robust, double medians, Work& work) {
 
 /// From what surely agrees. Where that rejects many it may have fitted its own pictures too well:
 /// then from all that agree roughly, and what rejects fewer is taken.
-bool solve_from(const RobustHandEye& robust, Work& work) {
+bool solve_from(const RobustHandEye& robust, HandEyeWork& work) {
   constexpr double kSurely = 3.0;
   constexpr double kRoughly = 10.0;
-  Work wide = work;
+  HandEyeWork wide = work;
   const bool is_solved = solve_near(robust, kSurely, work);
   if (is_solved && !rejects_many(work)) {
     return true;
@@ -367,13 +365,13 @@ bool solve_from(const RobustHandEye& robust, Work& work) {
 }
 
 /// Few pictures may not tell the sizes of the errors: then those of the start are taken.
-bool solve_by_start(const RobustHandEye& robust, Work& work) {
+bool solve_by_start(const RobustHandEye& robust, HandEyeWork& work) {
   work.has_known_noise = is_few(work);
   return work.has_known_noise && solve_from(robust, work);
 }
 
 /// From a prepared calibration to its result. A refusal; empty when there is none.
-std::string solve_prepared(Work& work) {
+std::string solve_prepared(HandEyeWork& work) {
   const auto robust = robust_start(work);
   if (!robust.has_value()) {
     return "no hand-eye explains the poses: the robot turned about one axis only";
@@ -397,8 +395,8 @@ void add_note(HandEyeCalibration& result, std::string note) {
 }
 
 /// With squares as given; where these do not fit and others do, with those.
-void solve_either(Work& work) {
-  Work free = work;
+void solve_either(HandEyeWork& work) {
+  HandEyeWork free = work;
   work.result.refusal = solve_prepared(work);
   if (!may_have_other_squares(work)) {
     add_note(work.result, note_of_robot(work, nullptr));
@@ -423,7 +421,7 @@ void solve_either(Work& work) {
 HandEyeCalibration calibrate_hand_eye(std::span<const BoardCorners> pictures,
                                       std::span<const Isometry3d> base_from_flange,
                                       const HandEyeOptions& options) {
-  Work work{.pictures = pictures, .base_from_flange = base_from_flange, .options = options};
+  HandEyeWork work{.pictures = pictures, .base_from_flange = base_from_flange, .options = options};
   work.result.mounting = options.mounting;
   work.result.orientation = orientation_of(options);
   work.result.pictures.resize(pictures.size());

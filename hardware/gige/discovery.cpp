@@ -8,8 +8,6 @@
 namespace glint {
 namespace {
 
-constexpr std::uint8_t kWantsAcknowledgement = 0x01;
-
 /// Sockets of loopback speak to loopback alone.
 std::uint32_t own_address(std::uint32_t peer) {
   return is_loopback(peer) ? 0x7f000001U : 0U;

@@ -9,7 +9,6 @@ namespace glint {
 namespace {
 
 constexpr std::uint8_t kRequestKey = 0x42;
-constexpr std::uint8_t kWantsAcknowledgement = 0x01;
 constexpr std::uint8_t kExtendedIds = 0x10;
 constexpr std::size_t kHeaderBytes = 8;
 constexpr std::uint16_t kImagePayload = 1;

@@ -95,6 +95,9 @@ struct GvcpRequest {
 /// Empty for what is no whole request.
 std::optional<GvcpRequest> parse_gvcp_request(BytesView packet);
 
+/// Flag of requests.
+inline constexpr std::uint8_t kWantsAcknowledgement = 0x01;
+
 Bytes gvcp_request(GvcpCommand command, std::uint16_t id, BytesView payload, std::uint8_t flags);
 
 struct GvcpAcknowledgement {

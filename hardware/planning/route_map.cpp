@@ -11,8 +11,6 @@
 namespace glint {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
 Eigen::Index index_of(std::size_t i) {
   return static_cast<Eigen::Index>(i);
 }

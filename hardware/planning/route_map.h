@@ -3,6 +3,7 @@
 // Ways between standstills: straight, or over the safe positions of the cell.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@
 #include "hardware/planning/leg_map.h"
 
 namespace glint {
+
+/// Duration of a way that cannot be gone.
+inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// Joints from one standstill to another, each leg free.
 struct Route {

@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::size_t kChoices = 2;  ///< branches of a view that a tour may choose from
 constexpr int kRounds = 8;
-constexpr double kNever = std::numeric_limits<double>::infinity();
 
 class Planner {
  public:

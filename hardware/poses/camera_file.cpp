@@ -15,16 +15,13 @@
 #include "core/text.h"
 #include "hardware/poses/located_xml.h"
 #include "hardware/poses/located_yaml.h"
+#include "hardware/poses/pose_convention.h"
 #include "simulator/camera/camera_settings.h"
 
 namespace glint {
 namespace {
 
 constexpr double kHalfPixel = 0.5;  ///< see opencv_from_pixel()
-
-[[noreturn]] void refuse(const Place& place, std::string_view key, const std::string& text) {
-  throw ConfigError(Problem{.place = place, .key = std::string(key), .text = text});
-}
 
 /// The first of several names that a table has.
 const ConfigNode* find_any(const ConfigNode& table, std::span<const std::string_view> names) {

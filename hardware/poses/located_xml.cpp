@@ -12,7 +12,6 @@
 namespace glint {
 namespace {
 
-constexpr int kMaxDepth = 64;
 constexpr std::string_view kBlank = " \t\r\n";
 
 class XmlParser {

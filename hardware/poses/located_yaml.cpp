@@ -13,7 +13,6 @@
 namespace glint {
 namespace {
 
-constexpr int kMaxDepth = 64;
 constexpr std::string_view kOpenCvHead = "%YAML:";
 
 /// An event that frees itself.

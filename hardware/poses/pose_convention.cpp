@@ -86,10 +86,6 @@ Place place_where(std::span<const WrittenPose> poses, const Test& test) {
   return found == poses.end() ? Place{} : found->place;
 }
 
-[[noreturn]] void refuse(const Place& place, const std::string& key, const std::string& text) {
-  throw ConfigError(Problem{.place = place, .key = key, .text = text});
-}
-
 void check_count(const WrittenPose& pose) {
   const std::size_t count = pose.numbers.size();
   if (count != 6 && count != 7 && count != 12 && count != 16) {
@@ -326,6 +322,10 @@ bool is_euler_order(const std::string& order) {
 }
 
 }  // namespace
+
+void refuse(const Place& place, std::string_view key, const std::string& text) {
+  throw ConfigError(Problem{.place = place, .key = std::string(key), .text = text});
+}
 
 void visit_keys(KeyVisitor& keys, PoseConvention& convention) {
   keys.choice("unit", convention.unit, kUnits, "of positions");

@@ -6,6 +6,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -14,6 +15,9 @@
 #include "core/error.h"
 
 namespace glint {
+
+/// @throws ConfigError at that place, naming the key
+[[noreturn]] void refuse(const Place& place, std::string_view key, const std::string& text);
 
 enum class PoseUnit { kAuto, kMillimetre, kMetre };
 enum class PoseDirection { kAuto, kBaseFromFlange, kFlangeFromBase };

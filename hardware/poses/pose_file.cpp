@@ -27,10 +27,6 @@ bool is_one_of(std::string_view word, std::span<const std::string_view> words) {
   return std::ranges::find(words, word) != words.end();
 }
 
-[[noreturn]] void refuse(const Place& place, const std::string& key, const std::string& text) {
-  throw ConfigError(Problem{.place = place, .key = key, .text = text});
-}
-
 // --- Trees ---------------------------------------------------------------------------------------
 
 /// Numbers of a list, or of a list of rows, row by row.

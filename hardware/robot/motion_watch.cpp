@@ -14,7 +14,6 @@ constexpr double kBeginTimeoutS = 2.0;
 constexpr double kReasonS =
     0.1;  ///< how long the controller's reason may come after the stop itself
 constexpr double kSpeedTolerance = 1.1;
-constexpr double kStillRadS = 1e-3;
 constexpr double kArrivedRad = 2e-3;
 constexpr double kSlowestScaling = 0.05;
 
@@ -104,8 +103,7 @@ bool MotionWatch::is_within_limits(const RobotState& state) {
 
 void MotionWatch::look_at_program(const RobotState& state, double now_s) {
   has_begun_ = has_begun_ || state.ack == ack_.begun || state.ack == ack_.ended;
-  const bool is_still = state.actual_qd_rad_s.cwiseAbs().maxCoeff() < kStillRadS;
-  if (!has_begun_ || state.is_program_running() || !is_still) {
+  if (!has_begun_ || state.is_program_running() || !state.is_still()) {
     stopped_at_s_.reset();
     return;
   }

@@ -55,6 +55,11 @@ bool RobotState::is_program_running() const {
          (robot_status_bits & kStatusProgramRunning) != 0;
 }
 
+bool RobotState::is_still() const {
+  constexpr double kStillRadS = 1e-3;
+  return actual_qd_rad_s.cwiseAbs().maxCoeff() < kStillRadS;
+}
+
 std::vector<std::string> state_outputs(int ack_register) {
   return {"timestamp",
           "target_q",

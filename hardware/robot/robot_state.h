@@ -35,6 +35,9 @@ struct RobotState {
   std::optional<Eigen::Vector3d> payload_cog_mm;
 
   bool is_program_running() const;
+
+  /// No joint is faster than 1e-3 rad/s.
+  bool is_still() const;
 };
 
 /// Outputs that a state needs, and those that newer controllers tell besides.

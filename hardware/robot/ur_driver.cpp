@@ -7,7 +7,6 @@ namespace glint {
 namespace {
 
 constexpr double kStopTimeoutS = 3.0;
-constexpr double kStillRadS = 1e-3;
 
 MotionResult refused(std::string text) {
   return {.outcome = MotionOutcome::kRefused, .text = std::move(text)};
@@ -52,8 +51,7 @@ void UrDriver::on_package(double now_s) {
     watch_->on_package(state, now_s);
     look_at_motion();
   }
-  if (stop_by_s_ && !state.is_program_running() &&
-      state.actual_qd_rad_s.cwiseAbs().maxCoeff() < kStillRadS) {
+  if (stop_by_s_ && !state.is_program_running() && state.is_still()) {
     stop_by_s_.reset();
     result_ = result_ ? result_ : MotionResult{.outcome = MotionOutcome::kDone, .text = ""};
   }

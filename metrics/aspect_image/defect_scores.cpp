@@ -50,14 +50,6 @@ DefectPixels sort_pixels(const DefectView& defect,
   return pixels;
 }
 
-double mean_of(const ImageF& image, const std::vector<std::size_t>& pixels) {
-  double sum = 0.0;
-  for (const std::size_t pixel : pixels) {
-    sum += static_cast<double>(image.values()[pixel]);
-  }
-  return sum / static_cast<double>(pixels.size());
-}
-
 double variance_of(const ImageF& image, const std::vector<std::size_t>& pixels, double mean) {
   double sum = 0.0;
   for (const std::size_t pixel : pixels) {
@@ -166,6 +158,14 @@ DefectScores score(const ImageF& image,
 }
 
 }  // namespace
+
+double mean_of(const ImageF& image, const std::vector<std::size_t>& pixels) {
+  double sum = 0.0;
+  for (const std::size_t pixel : pixels) {
+    sum += static_cast<double>(image.values()[pixel]);
+  }
+  return sum / static_cast<double>(pixels.size());
+}
 
 std::string defect_table(const std::string& label) {
   const std::size_t end = label.rfind('_');

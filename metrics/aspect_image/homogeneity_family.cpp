@@ -142,13 +142,13 @@ Plane smoothed(Plane plane, double sigma_px) {
 }
 
 /// Of an image over the region, and with another one.
-struct Moments {
+struct PairMoments {
   double mean = 0.0;
   double variance = 0.0;
   double covariance = 0.0;
 };
 
-Moments moments_of(const ImageF& image, const ImageF& other, const Spans& spans) {
+PairMoments moments_of(const ImageF& image, const ImageF& other, const Spans& spans) {
   double count = 0.0;
   double sum = 0.0;
   double sum_other = 0.0;
@@ -159,7 +159,7 @@ Moments moments_of(const ImageF& image, const ImageF& other, const Spans& spans)
     }
     count += span.size();
   }
-  Moments moments = {.mean = sum / count};
+  PairMoments moments = {.mean = sum / count};
   const double mean_other = sum_other / count;
   for (const RowSpan& span : spans) {
     for (int x = span.begin; x < span.end; ++x) {
@@ -178,7 +178,7 @@ double uniformity(const ImageF& image, const Spans& spans) {
   for (const RowSpan& span : spans) {
     count += span.size();
   }
-  const Moments moments = moments_of(image, image, spans);
+  const PairMoments moments = moments_of(image, image, spans);
   return moments.mean > 0.0 ? 1.0 - std::sqrt(moments.variance) / moments.mean : -std::sqrt(count);
 }
 
@@ -201,7 +201,7 @@ double residual_uniformity(const ImageF& aspect,
 double low_share(const ImageF& aspect, const Mask& region, const Spans& spans, double diameter_px) {
   const double cut = 1.0 / (4.0 * diameter_px);
   const double sigma_px = std::sqrt(0.5 * std::numbers::ln2) / (std::numbers::pi * cut);
-  const Moments moments = moments_of(aspect, shading_of(aspect, region, sigma_px), spans);
+  const PairMoments moments = moments_of(aspect, shading_of(aspect, region, sigma_px), spans);
   constexpr double kRounding = 1e-12;  // relative to the mean, of an image of floats
   if (moments.variance <= kRounding * moments.mean * moments.mean) {
     return 1.0;

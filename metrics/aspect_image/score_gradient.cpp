@@ -256,14 +256,6 @@ ImageF homogeneity_gradient(std::string_view score, const ScoredImage& image) {
   return gradient;
 }
 
-double mean_of(const ImageF& image, const std::vector<std::size_t>& pixels) {
-  double sum = 0.0;
-  for (const std::size_t pixel : pixels) {
-    sum += static_cast<double>(image.values()[pixel]);
-  }
-  return sum / static_cast<double>(pixels.size());
-}
-
 /// Adds derivative(pixel) to pixels. What rounding takes from one pixel the next one gets: pixels
 /// of a defect weigh the same, would all err by the same, and their sum cancels against the ring's.
 template <class Derivative>

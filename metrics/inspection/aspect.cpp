@@ -10,12 +10,12 @@
 
 #include "core/error.h"
 #include "metrics/inspection/filter_kernels.h"
+#include "metrics/inspection/inspection_settings.h"
 #include "metrics/inspection/inspector.h"
 
 namespace glint {
 namespace {
 
-constexpr int kRowsPerBand = 16;
 constexpr std::size_t kMaxFrames = 65536;  // sums of 16-bit codes fit into 32 bits
 
 template <class T>

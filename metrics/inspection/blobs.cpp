@@ -14,13 +14,13 @@
 #include "core/error.h"
 #include "core/units.h"
 #include "metrics/inspection/filter_kernels.h"
+#include "metrics/inspection/inspection_settings.h"
 
 namespace glint {
 namespace {
 
 using Polarity = InspectionSettings::Polarity;
 
-constexpr int kRowsPerBand = 16;
 constexpr double kPixelVariance = 1.0 / 12.0;  // of a square pixel about its middle
 
 /// Pixels of one sign beside each other in a row.

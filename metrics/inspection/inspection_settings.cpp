@@ -11,7 +11,7 @@ constexpr std::array<std::string_view, 5> kFilters = {
 constexpr std::array<std::string_view, 3> kThresholds = {"fixed", "noise", "false_alarms"};
 constexpr std::array<std::string_view, 3> kPolarities = {"both", "bright", "dark"};
 constexpr std::array<std::string_view, 2> kKindRules = {"elongation", "printed"};
-constexpr std::array<std::string_view, 2> kMeasures = {"area", "weight"};
+constexpr std::array<std::string_view, 2> kMeasureNames = {"area", "weight"};
 
 void visit_filter(KeyVisitor& keys, InspectionSettings& settings) {
   keys.choice("filter",
@@ -97,7 +97,7 @@ void visit_blobs(KeyVisitor& keys, InspectionSettings& settings) {
                "blobs with fewer pixels count as holes");
   keys.choice("measure",
               settings.measure,
-              kMeasures,
+              kMeasureNames,
               "size of a defect in the limits of the classes: its pixels, or its weight");
 }
 

@@ -23,8 +23,6 @@ namespace {
 using Filter = InspectionSettings::Filter;
 using Threshold = InspectionSettings::Threshold;
 
-constexpr int kRowsPerBand = 16;
-
 /// The mask without a rim; beyond the picture counts as outside.
 Mask without_rim(const Mask& mask, int rim_px) {
   Mask outside(mask.width() + 2, mask.height() + 2, 1);

@@ -17,7 +17,6 @@
 namespace glint {
 namespace {
 
-constexpr int kRowsPerBand = 16;
 constexpr double kWiderBy = 1.6;  // Marr and Hildreth 1980: nearest to the Laplacian
 
 int radius_of(const HalfKernel& kernel) {

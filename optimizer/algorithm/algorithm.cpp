@@ -44,9 +44,6 @@ constexpr double kMaxMixedDesign = 64.0;
 /// Each of its points tells as much as one point more for each variable.
 constexpr int kDesignWithDerivatives = 3;
 
-/// Repeated points in a row after which a space counts as fully sampled.
-constexpr int kMaxRepeats = 5000;
-
 bool has_discrete(const SearchSpace& space) {
   return !std::ranges::all_of(space.variables, is_continuous);
 }

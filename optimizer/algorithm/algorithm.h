@@ -61,6 +61,9 @@ namespace glint {
 /// 4: gp models the signed logarithm of limits.
 inline constexpr int kSearchRules = 4;
 
+/// Repeated points in a row after which a space counts as fully sampled.
+inline constexpr int kMaxRepeats = 5000;
+
 struct SearchSettings {
   std::string algorithm = "auto";  ///< one of algorithm_names()
   std::uint64_t seed = 1;

@@ -16,14 +16,11 @@ namespace glint {
 
 namespace {
 
-constexpr int kMaxRepeats = 5000;
 constexpr int kNumGlobal = 200;
 constexpr int kNumLocal = 200;
 constexpr int kNumRefined = 60;
 /// Widths, as parts of a variable's range, of candidates around the best design and of rounds
 /// around the most promising candidate.
-constexpr std::array<double, 2> kLocalWidths = {0.15, 0.03};
-constexpr std::array<double, 3> kRefinedWidths = {0.1, 0.03, 0.01};
 /// Of so many questions by rules 2 one reaches everywhere.
 constexpr std::uint64_t kAsksPerFarOne = 4;
 /// Keeps the random numbers of questions apart from the other users of the study's seed.

@@ -47,7 +47,7 @@ bool has_penalties(const MethodRun& run) {
   return run.method == "lbfgs" && run.num_limits > 0;
 }
 
-nlopt::algorithm algorithm_of(const MethodRun& run) {
+nlopt::algorithm nlopt_algorithm(const MethodRun& run) {
   if (run.method == "direct_l") {
     return run.is_first ? nlopt::GN_DIRECT_L : nlopt::GN_DIRECT_L_RAND;
   }
@@ -89,7 +89,7 @@ void set_inner(nlopt::algorithm method, double tolerance, int calls, nlopt::opt&
 
 nlopt::opt make_optimizer(const MethodRun& run) {
   const auto n = static_cast<unsigned>(run.start.size());
-  nlopt::opt optimizer(algorithm_of(run), n);
+  nlopt::opt optimizer(nlopt_algorithm(run), n);
   optimizer.set_lower_bounds(run.low);
   optimizer.set_upper_bounds(run.high);
   if (is_gradient_method(run.method)) {

@@ -80,7 +80,7 @@ Vector evaluate(const Vector& x, Shared& shared) {
 }
 
 /// pagmo's user-defined problem.
-struct Problem {
+struct SharedProblem {
   Shared* shared = nullptr;
 
   Vector fitness(const Vector& x) const { return evaluate(x, *shared); }
@@ -90,7 +90,7 @@ struct Problem {
   Vector::size_type get_nobj() const { return shared->num_objectives; }
 };
 
-pagmo::algorithm algorithm_of(const MethodRun& run) {
+pagmo::algorithm pagmo_algorithm(const MethodRun& run) {
   const auto seed = static_cast<unsigned>(run.seed);
   if (run.method == "cmaes") {
     constexpr double kOwn = -1.0;  // pagmo's own choice
@@ -137,12 +137,12 @@ AskTellThread::Body pagmo_body(const MethodRun& run) {
                   .num_objectives = static_cast<std::size_t>(run.num_objectives)};
     try {
       pagmo::population population(
-          pagmo::problem(Problem{&shared}), 0U, static_cast<unsigned>(run.seed));
+          pagmo::problem(SharedProblem{&shared}), 0U, static_cast<unsigned>(run.seed));
       population.push_back(run.start);
       while (population.size() < population_of(run)) {
         population.push_back(population.random_decision_vector());
       }
-      algorithm_of(run).evolve(population);
+      pagmo_algorithm(run).evolve(population);
       return "converged";
     } catch (const Stopped&) {
       return "stopped";

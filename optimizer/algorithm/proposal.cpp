@@ -16,12 +16,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kNumGlobal = 120;
-constexpr int kNumLocal = 120;
+constexpr int kProposedGlobal = 120;
+constexpr int kProposedLocal = 120;
 constexpr int kNumMixed = 60;
-constexpr int kNumRefined = 40;
-constexpr std::array<double, 2> kLocalWidths = {0.15, 0.03};
-constexpr std::array<double, 3> kRefinedWidths = {0.1, 0.03, 0.01};
+constexpr int kProposedRefined = 40;
 
 constexpr std::size_t kNumClimbs = 6;
 constexpr int kNumSteps = 16;
@@ -29,7 +27,7 @@ constexpr int kNumSteps = 16;
 constexpr double kApart = 0.05;
 /// How far a climb goes from its start when the reach is near.
 constexpr double kNear = 0.1;
-constexpr double kFirstStep = 0.04;
+constexpr double kFirstAscent = 0.04;
 constexpr double kLongestStep = 0.25;
 constexpr double kLonger = 1.3;
 constexpr double kShorter = 0.5;
@@ -63,7 +61,7 @@ class Proposer {
     if (!std::ranges::all_of(space_.variables, is_smooth)) {
       for (const double width : kRefinedWidths) {
         std::vector<Point> points;
-        for (int i = 0; i < kNumRefined; ++i) {
+        for (int i = 0; i < kProposedRefined; ++i) {
           points.push_back(neighbour(space_, top().point, width, false, rng_));
         }
         consider(std::move(points), kShareOfRefined);
@@ -82,16 +80,17 @@ class Proposer {
   std::vector<Point> candidates(const std::vector<Point>& known) {
     std::vector<Point> points;
     std::vector<double> unit(space_.variables.size());
-    for (int i = 0; i < kNumGlobal && reach_ == Reach::kEverywhere; ++i) {
+    for (int i = 0; i < kProposedGlobal && reach_ == Reach::kEverywhere; ++i) {
       for (double& value : unit) {
         value = rng_.uniform();
       }
       points.push_back(point_from_unit(space_, unit));
     }
     const std::vector<std::size_t>& centers = promise_.best_points();
-    for (int i = 0; i < kNumLocal; ++i) {
+    for (int i = 0; i < kProposedLocal; ++i) {
       // Evenly over the front, whatever its size.
-      const std::size_t at = static_cast<std::size_t>(i / 2) * centers.size() / (kNumLocal / 2);
+      const std::size_t at =
+          static_cast<std::size_t>(i / 2) * centers.size() / (kProposedLocal / 2);
       const double width = kLocalWidths[static_cast<std::size_t>(i % 2)];
       points.push_back(neighbour(space_, known[centers[at]], width, true, rng_));
     }
@@ -216,7 +215,7 @@ class Proposer {
     const MatrixXd low = (rows.array() - reach).max(0.0).matrix();
     const MatrixXd high = (rows.array() + reach).min(1.0).matrix();
     VectorXd best = VectorXd::Constant(rows.rows(), -std::numeric_limits<double>::infinity());
-    MatrixXd steps = kFirstStep * mask;
+    MatrixXd steps = kFirstAscent * mask;
     MatrixXd before = MatrixXd::Zero(mask.rows(), mask.cols());
     for (int step = 0; step < kNumSteps; ++step) {
       MatrixXd slopes;

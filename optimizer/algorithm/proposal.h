@@ -5,6 +5,7 @@
 // M. Riedmiller and H. Braun, IEEE ICNN 1993; signs of slopes only, so nothing depends on scales).
 #pragma once
 
+#include <array>
 #include <optional>
 #include <set>
 #include <vector>
@@ -16,6 +17,10 @@
 #include "optimizer/surrogate/encoding.h"
 
 namespace glint {
+
+/// Steps of neighbour() around the best designs, then around the best candidate.
+inline constexpr std::array<double, 2> kLocalWidths = {0.15, 0.03};
+inline constexpr std::array<double, 3> kRefinedWidths = {0.1, 0.03, 0.01};
 
 /// Numbers are moved by a normal step, choices drawn anew. @param is_sparse  only some variables
 Point neighbour(

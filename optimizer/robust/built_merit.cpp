@@ -9,11 +9,7 @@
 #include "optimizer/search/trade_off.h"
 
 namespace glint {
-namespace {
-
-constexpr double kOut = std::numeric_limits<double>::infinity();
-
-}  // namespace
+namespace {}  // namespace
 
 BuiltMerit::BuiltMerit(const Goal& goal, std::span<const Trial> trials)
     : goal_(goal), choice_(front_choice_of(goal)) {

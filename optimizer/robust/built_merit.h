@@ -3,6 +3,7 @@
 // What a design is worth that is never built exactly: the merit that 95 % of the built ones reach.
 #pragma once
 
+#include <limits>
 #include <set>
 #include <span>
 #include <string>
@@ -16,6 +17,9 @@ namespace glint {
 
 /// The share of built designs that may be worse than what is told of them.
 inline constexpr double kWorstShare = 0.05;
+
+/// The merit of a design that failed or is outside a limit.
+inline constexpr double kOut = std::numeric_limits<double>::infinity();
 
 /// One number for the scores of one built design, smaller is better: the objective (negated when
 /// maximised); of several objectives choice_cost() in the ranges of the search's front.

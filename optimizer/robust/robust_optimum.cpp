@@ -18,7 +18,6 @@ using Draw = std::vector<std::size_t>;
 constexpr int kSamples = 2000;
 /// A candidate that leads in fewer samples of the bootstrap is given up.
 constexpr double kHopeless = 0.01;
-constexpr double kOut = std::numeric_limits<double>::infinity();
 
 Merits merits_of(const BuiltMerit& merit, const BuiltScores& built) {
   Merits merits;

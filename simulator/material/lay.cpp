@@ -6,17 +6,15 @@
 
 #include <Eigen/Geometry>
 
+#include "core/pose.h"
+
 namespace glint {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::array<std::string_view, 4> kKinds = {"none", "turned", "brushed", "milled"};
-
-Vector3d vector_of(const std::vector<double>& numbers) {
-  return {numbers[0], numbers[1], numbers[2]};
-}
+constexpr std::array<std::string_view, 4> kLayKinds = {"none", "turned", "brushed", "milled"};
 
 /// The mill's edge at its front runs through the point: a circle whose centre lies behind, on the
 /// middle of the lane.
@@ -34,7 +32,7 @@ Vector2d milled(const LaySettings& settings, const Vector2d& at_mm) {
 void visit_keys(KeyVisitor& keys, LaySettings& s) {
   const Count three = {.min = 3, .max = 3};
   const Range length = Range::between(-1e5, 1e5);
-  keys.choice("kind", s.kind, kKinds, "which way the grooves of machining run");
+  keys.choice("kind", s.kind, kLayKinds, "which way the grooves of machining run");
   keys.numbers(
       "center_mm", s.center_mm, three, length, "a point of the axis, or of a lane's middle");
   keys.numbers("axis", s.axis, three, length, "turned, milled: the axis of lathe or mill");

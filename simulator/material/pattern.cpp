@@ -8,7 +8,7 @@
 namespace glint {
 namespace {
 
-constexpr std::array<std::string_view, 2> kKinds = {"none", "concentric"};
+constexpr std::array<std::string_view, 2> kPatternKinds = {"none", "concentric"};
 
 double smoothstep(double t) {
   return t * t * (3.0 - 2.0 * t);
@@ -17,7 +17,7 @@ double smoothstep(double t) {
 }  // namespace
 
 void visit_keys(KeyVisitor& keys, PatternSettings& s) {
-  keys.choice("kind", s.kind, kKinds, "marks on the surface");
+  keys.choice("kind", s.kind, kPatternKinds, "marks on the surface");
   keys.number("density", s.density, {.min = 1e-3, .max = 1e3}, "concentric: width of a ring, d");
   keys.number("unit_mm", s.unit_mm, {.min = 1e-3, .max = 1e3}, "length of 1 in the equation");
   keys.number("colour", s.colour, Range::between(0, 1), "how much the marks darken");

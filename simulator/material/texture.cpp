@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/pose.h"
+
 namespace glint {
 namespace {
 
@@ -14,10 +16,6 @@ using Eigen::Vector3d;
 
 constexpr std::array<std::string_view, 3> kMappings = {"planar", "cylindrical", "box"};
 constexpr std::array<std::string_view, 3> kEncodings = {"auto", "srgb", "linear"};
-
-Vector3d vector_of(const std::vector<double>& numbers) {
-  return {numbers[0], numbers[1], numbers[2]};
-}
 
 /// Rows u, v, axis.
 Eigen::Matrix3d frame_of(const TextureSettings& settings) {

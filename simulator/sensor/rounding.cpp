@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 namespace glint {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kReach = 6.0;      ///< deviations; nothing beyond
 constexpr double kMultiple = 0.05;  ///< of a step: 12 bits in a file of 16 are off by 0.03
-constexpr std::array<int, 4> kBits = {8, 10, 12, 14};
+constexpr std::array<int, 4> kRoundedBits = {8, 10, 12, 14};
 
 double step_of(int bits) {
   return 1.0 / (std::exp2(bits) - 1.0);
@@ -74,7 +72,7 @@ double largest_rounding_bias(double deviation, double step) {
 double recorded_step(const ImageF& picture) {
   const bool is_black =
       std::ranges::all_of(picture.values(), [](float value) { return value <= 0.0F; });
-  for (const int bits : kBits) {
+  for (const int bits : kRoundedBits) {
     const double step = step_of(bits);
     const auto is_multiple = [step](float value) {
       const double level = static_cast<double>(value) / step;

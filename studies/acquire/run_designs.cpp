@@ -17,8 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using Design = MountedPrototypes::Design;
 
-constexpr const char* kScene = "scene.toml";
-
 Design read_design(const std::string& name, const fs::path& file) {
   try {
     const SceneSettings scene = load_study(file, {}).scene;
@@ -39,7 +37,7 @@ bool holds_designs(const fs::path& folder, const fs::path& run) {
     return false;
   }
   for (fs::path above = folder; above != run; above = above.parent_path()) {
-    if (fs::exists(above / kScene)) {
+    if (fs::exists(above / kDesignScene)) {
       return false;
     }
   }
@@ -73,8 +71,8 @@ std::vector<Design> designs_in(const fs::path& run, const fs::path& folder) {
   std::vector<Design> designs;
   for (const fs::path& entry : folders) {
     const bool is_design = !entry.filename().string().starts_with(".");
-    if (is_design && fs::exists(entry / kScene)) {
-      designs.push_back(read_design(name_in(run, entry), entry / kScene));
+    if (is_design && fs::exists(entry / kDesignScene)) {
+      designs.push_back(read_design(name_in(run, entry), entry / kDesignScene));
     }
   }
   return designs;
@@ -90,7 +88,7 @@ Design design_of(const fs::path& held,
   }
   const fs::path file = held.empty() ? held : fs::absolute(held).lexically_normal();
   const auto home = std::ranges::find(designs, around, &Design::name);
-  const bool is_of_design = home != designs.end() && origin.scene.filename() == kScene;
+  const bool is_of_design = home != designs.end() && origin.scene.filename() == kDesignScene;
   if (is_of_design && (file == origin.scene || without_links(file) == origin.scene)) {
     return *home;
   }

@@ -12,7 +12,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kPlan = "plan.json";
-constexpr const char* kScene = "scene.toml";
 
 /// What a plan tells; nothing for a file that is none, which whoever reads the plan complains of.
 PlanOrigin told_by(const fs::path& plan) {
@@ -27,7 +26,7 @@ PlanOrigin told_by(const fs::path& plan) {
 /// @param whole  its full path
 /// @param plan   of a planned scene; empty: one that lies beside it
 PlanOrigin origin_at(const fs::path& whole, const fs::path& plan) {
-  const bool is_copy = whole.filename() == kScene || !plan.empty();
+  const bool is_copy = whole.filename() == kDesignScene || !plan.empty();
   PlanOrigin origin =
       is_copy ? told_by(plan.empty() ? whole.parent_path() / kPlan : plan) : PlanOrigin{};
   if (origin.scene.empty()) {
@@ -46,14 +45,14 @@ SourceFiles files_of(const fs::path& source) {
     return {};
   }
   if (source.extension() == ".json") {
-    const fs::path scene = source.parent_path() / kScene;
+    const fs::path scene = source.parent_path() / kDesignScene;
     return {.plan = source, .scene = fs::exists(scene) ? scene : fs::path()};
   }
   if (fs::exists(source / kPlan)) {
-    const fs::path scene = source / kScene;
+    const fs::path scene = source / kDesignScene;
     return {.plan = source / kPlan, .scene = fs::exists(scene) ? scene : fs::path()};
   }
-  return {.plan = {}, .scene = fs::is_directory(source) ? source / kScene : source};
+  return {.plan = {}, .scene = fs::is_directory(source) ? source / kDesignScene : source};
 }
 
 PlanOrigin origin_of(const fs::path& source) {

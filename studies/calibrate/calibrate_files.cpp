@@ -26,10 +26,6 @@ Json number_json(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-Json vector_json(const Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
 /// Nine numbers as the tables of a camera.
 Json lens_json(const LensVector& v) {
   return {{"focal_px", {v[0], v[1]}},
@@ -312,6 +308,10 @@ CalibrationSettings calibration_settings(const CalibrateInput& input,
 }
 
 }  // namespace
+
+Json vector_json(const Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 std::string reason_of_view(const BoardView& view) {
   const std::string name = outcome_name(view.outcome);

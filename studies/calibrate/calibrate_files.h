@@ -29,6 +29,8 @@ nlohmann::ordered_json calibration_json(
     const SolvedCalibration& solved,
     const std::vector<std::vector<Eigen::Vector2d>>& residuals_px);
 
+nlohmann::ordered_json vector_json(const Eigen::Vector3d& v);
+
 /// Tables that a scene takes: [camera] with the calibrated intrinsics alone, [calibration] with the
 /// hand-eye and the covariances.
 std::string calibration_toml(const CalibrateInput& input, const SolvedCalibration& solved);

@@ -18,7 +18,7 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Residuals = std::vector<Eigen::Vector2d>;
+using PictureResiduals = std::vector<Eigen::Vector2d>;
 
 /// New pictures against a calibration.
 class Check {
@@ -34,7 +34,7 @@ class Check {
   }
 
   Json result() const {
-    std::vector<std::optional<Residuals>> of_pictures;
+    std::vector<std::optional<PictureResiduals>> of_pictures;
     for (std::size_t i = 0; i < input_.corners.size(); ++i) {
       of_pictures.push_back(residuals(i, known_.poses.board));
     }
@@ -51,7 +51,8 @@ class Check {
   bool is_by_poses() const { return input_.poses.has_value(); }
 
   /// Empty where no board was found, or where it cannot be computed.
-  std::optional<Residuals> residuals(std::size_t picture, const Eigen::Isometry3d& board) const {
+  std::optional<PictureResiduals> residuals(std::size_t picture,
+                                            const Eigen::Isometry3d& board) const {
     const BoardCorners& corners = input_.corners[picture];
     if (corners.board_mm.empty()) {
       return std::nullopt;
@@ -72,8 +73,8 @@ class Check {
     return is_same_measure ? known_.prediction_rms_px.value_or(known_.rms_px) : known_.rms_px;
   }
 
-  Json judged(const std::vector<std::optional<Residuals>>& of_pictures) const {
-    const Residuals all = joined(of_pictures);
+  Json judged(const std::vector<std::optional<PictureResiduals>>& of_pictures) const {
+    const PictureResiduals all = joined(of_pictures);
     const auto count = std::ranges::count_if(
         of_pictures, [](const auto& residuals) { return residuals.has_value(); });
     if (all.empty()) {
@@ -98,8 +99,8 @@ class Check {
             {"board_moved", is_by_poses() && count > 1 ? moved_json() : Json(nullptr)}};
   }
 
-  static Residuals joined(const std::vector<std::optional<Residuals>>& of_pictures) {
-    Residuals all;
+  static PictureResiduals joined(const std::vector<std::optional<PictureResiduals>>& of_pictures) {
+    PictureResiduals all;
     for (const auto& residuals : of_pictures) {
       if (residuals) {
         all.insert(all.end(), residuals->begin(), residuals->end());
@@ -122,7 +123,7 @@ class Check {
       return nullptr;
     }
     const Eigen::Isometry3d board = board_seen(*known_.mounting, known_.poses.hand_eye, pairs);
-    std::vector<std::optional<Residuals>> of_pictures;
+    std::vector<std::optional<PictureResiduals>> of_pictures;
     for (std::size_t i = 0; i < input_.corners.size(); ++i) {
       of_pictures.push_back(residuals(i, board));
     }
@@ -148,7 +149,7 @@ class Check {
     return best;
   }
 
-  Json picture_json(std::size_t picture, const std::optional<Residuals>& residuals) const {
+  Json picture_json(std::size_t picture, const std::optional<PictureResiduals>& residuals) const {
     const BoardView& view = input_.views[picture];
     return {{"file", input_.names[picture]},
             {"accepted", residuals.has_value()},

@@ -16,6 +16,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/units.h"
+#include "studies/calibrate/calibrate_files.h"
 #include "studies/calibrate/place_file.h"
 #include "studies/calibrate/place_pictures.h"
 #include "studies/output/result_folder.h"
@@ -31,7 +32,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
-const std::array<std::string, 3> kNames = {"placement.toml", "placement.json", "run.json"};
+const std::array<std::string, 3> kPlaceFiles = {"placement.toml", "placement.json", "run.json"};
 
 /// Keys of --set place.; 0: from what remains.
 struct PlaceSettings {
@@ -71,7 +72,7 @@ std::vector<KeyValue> sets_of_poses(const std::vector<KeyValue>& sets) {
   return others;
 }
 
-PlaceSettings settings_of(const std::vector<KeyValue>& sets) {
+PlaceSettings place_settings(const std::vector<KeyValue>& sets) {
   ConfigNode root = ConfigNode::table();
   for (const KeyValue& set : sets) {
     if (is_of_place(set)) {
@@ -87,10 +88,6 @@ PlaceSettings settings_of(const std::vector<KeyValue>& sets) {
   reader.report_unknown();
   throw_if_any(errors);
   return settings;
-}
-
-Json vector_json(const Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
 }
 
 /// Root of the sum of three variances.
@@ -234,7 +231,7 @@ std::string placement_toml(const PlacedPart& placed, bool is_on_flange) {
 void check_files(const std::vector<PlaceInput>& inputs,
                  const CalibrateOptions& options,
                  const fs::path& out) {
-  check_result_folder(out, ResultKind::kPlace, kNames);
+  check_result_folder(out, ResultKind::kPlace, kPlaceFiles);
   std::vector<fs::path> files = options.pictures;
   files.insert(files.end(), options.poses.begin(), options.poses.end());
   files.push_back(options.board);
@@ -242,7 +239,7 @@ void check_files(const std::vector<PlaceInput>& inputs,
     files.push_back(input.file);
     files.insert(files.end(), input.poses.begin(), input.poses.end());
   }
-  check_inputs_kept(files, out, kNames);
+  check_inputs_kept(files, out, kPlaceFiles);
 }
 
 Json notes_of(const std::vector<Placement>& placements) {
@@ -274,7 +271,7 @@ Json place_part(const std::vector<PlaceInput>& inputs, const CalibrateOptions& o
           ? default_result_folder(inputs.front().file.stem().string(), ResultKind::kPlace)
           : options.out;
   check_files(inputs, options, out);
-  const PlaceSettings settings = settings_of(options.sets);
+  const PlaceSettings settings = place_settings(options.sets);
   CalibrateOptions reading = options;
   reading.sets = sets_of_poses(options.sets);
   std::vector<Placement> placements;

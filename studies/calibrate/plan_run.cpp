@@ -31,9 +31,9 @@ namespace {
 using Eigen::Isometry3d;
 using Json = nlohmann::ordered_json;
 
-const std::array<std::string, 4> kNames = {"poses.csv", "poses.toml", "plan.json", "run.json"};
+const std::array<std::string, 4> kPlanFiles = {"poses.csv", "poses.toml", "plan.json", "run.json"};
 
-PlanSettings settings_of(const std::vector<KeyValue>& sets) {
+PlanSettings plan_settings(const std::vector<KeyValue>& sets) {
   ConfigNode root = ConfigNode::table();
   for (const KeyValue& set : sets) {
     if (!set.path.starts_with("plan.")) {
@@ -219,15 +219,15 @@ void visit_keys(KeyVisitor& keys, PlanSettings& settings) {
 
 Json plan_poses(const PosePlanOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  const PlanSettings settings = settings_of(options.sets);
+  const PlanSettings settings = plan_settings(options.sets);
   const fs::path stem =
       options.camera.has_filename() ? options.camera.stem() : options.camera.parent_path().stem();
   const fs::path out =
       options.out.empty()
           ? default_result_folder(stem.empty() ? "camera" : stem.string(), ResultKind::kPlan)
           : options.out;
-  check_result_folder(out, ResultKind::kPlan, kNames);
-  check_inputs_kept(std::array{options.board, options.camera}, out, kNames);
+  check_result_folder(out, ResultKind::kPlan, kPlanFiles);
+  check_inputs_kept(std::array{options.board, options.camera}, out, kPlanFiles);
   const Rig rig = rig_of(options);
   Json plan = plan_json(rig, planned(rig, settings, options.count));
   ResultWriter writer(out, ResultKind::kPlan);

@@ -16,20 +16,20 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Colour = std::array<double, 3>;
+using ShownColour = std::array<double, 3>;
 
 constexpr int kPictureWidthPx = 900;
 constexpr std::size_t kMaxPairs = 12;  ///< with pictures on the page; the folder has all
 
-constexpr Colour kRed = {0.86, 0.16, 0.12};
-constexpr Colour kBlue = {0.10, 0.45, 0.95};
+constexpr ShownColour kRed = {0.86, 0.16, 0.12};
+constexpr ShownColour kBlue = {0.10, 0.45, 0.95};
 constexpr double kTint = 0.6;  ///< of the simulated part over the photograph
 
 std::uint8_t code_of(double share) {
   return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(share, 0.0, 1.0)));
 }
 
-std::array<std::uint8_t, 3> codes_of(const Colour& colour) {
+std::array<std::uint8_t, 3> codes_of(const ShownColour& colour) {
   return {code_of(colour[0]), code_of(colour[1]), code_of(colour[2])};
 }
 
@@ -41,7 +41,7 @@ double brightening_of(const ImageF& picture) {
   return 1.0 / std::clamp(static_cast<double>(*at), 0.05, 1.0);
 }
 
-void draw(std::span<const Boundary> lines, const Colour& colour, ImageRgb& image) {
+void draw(std::span<const Boundary> lines, const ShownColour& colour, ImageRgb& image) {
   for (const Boundary& line : lines) {
     for (const BoundaryPoint& point : line.points) {
       const int x = std::clamp(static_cast<int>(point.at_px.x()), 0, image.width() - 1);
@@ -80,8 +80,8 @@ ImageRgb diverging(const ImageF& difference, double scale) {
   ImageRgb image(difference.width(), difference.height());
   for (std::size_t i = 0; i < image.size(); ++i) {
     const double t = std::clamp(static_cast<double>(difference.values()[i]) / scale, -1.0, 1.0);
-    const Colour& full = t > 0.0 ? kRed : kBlue;
-    Colour colour = {};
+    const ShownColour& full = t > 0.0 ? kRed : kBlue;
+    ShownColour colour = {};
     for (std::size_t c = 0; c < 3; ++c) {
       colour[c] = 1.0 - std::abs(t) * (1.0 - full[c]);
     }
@@ -133,7 +133,7 @@ ImageRgb overlay_of(const ComparedPair& pair) {
   for (std::size_t i = 0; i < image.size(); ++i) {
     const double grey = bright * static_cast<double>(real.values()[i]);
     const double tint = coverage.empty() ? 0.0 : kTint * static_cast<double>(coverage.values()[i]);
-    Colour colour = {};
+    ShownColour colour = {};
     for (std::size_t c = 0; c < 3; ++c) {
       colour[c] = (1.0 - tint) * std::min(grey, 1.0) + tint * kRed[c];
     }

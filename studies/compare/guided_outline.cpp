@@ -27,7 +27,7 @@ constexpr double kAlikePx = 1.5;        ///< from the motion as a whole
 constexpr double kAlikeContrast = 3.0;  ///< of the median ratio of contrasts, at most
 constexpr double kFarPx = 3.0;          ///< a shift as a whole that a search along normals may miss
 constexpr std::size_t kLeastEdges = 40;
-constexpr double kLeastShare = 0.3;
+constexpr double kLeastFound = 0.3;
 
 std::vector<EdgeOffset> offsets_of(const std::vector<BoundaryGap>& gaps) {
   std::vector<EdgeOffset> offsets;
@@ -214,7 +214,7 @@ std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
       .real = outline_at(best.rough, best.edges),
       .share = static_cast<double>(best.edges.size()) / static_cast<double>(own.size()),
       .motion = best.motion};
-  return best.edges.size() >= kLeastEdges && found.share >= kLeastShare ? std::optional(found)
+  return best.edges.size() >= kLeastEdges && found.share >= kLeastFound ? std::optional(found)
                                                                         : std::nullopt;
 }
 

@@ -31,12 +31,12 @@ using Eigen::Vector2d;
 constexpr int kWidthPx = 612;
 constexpr int kHeightPx = 512;
 constexpr int kLeastSamples = 32;
-constexpr std::size_t kLeastPixels = 1000;
+constexpr std::size_t kFewestPixels = 1000;
 constexpr float kBright = 0.98F;  ///< at least: clipped
 constexpr double kStep = 1.25;    ///< factor on the roughness
 constexpr double kLeastRoughness = 0.02;
 constexpr int kBlockPx = 12;  ///< whose misfit is taken together: it is alike for neighbours
-constexpr int kMarginPx = 2;  ///< from the part's edge
+constexpr int kRimPx = 2;     ///< from the part's edge
 
 int factor_of(const SceneSettings& scene) {
   const int factor = std::max((scene.camera.width_px + kWidthPx - 1) / kWidthPx,
@@ -115,7 +115,7 @@ class RoughnessSearch {
     const std::shared_ptr<const PathPicture> picture = store_.picture(scene);
     ++renders_;
     if (part_.empty()) {
-      part_ = sound_part(picture->sums, kMarginPx);
+      part_ = sound_part(picture->sums, kRimPx);
     }
     if (picture->batches.empty()) {  // without noise
       const ImageF whole = grey_of(*picture, scene, std::nullopt);
@@ -141,7 +141,7 @@ class RoughnessSearch {
         pixels_.push_back(i);
       }
     }
-    return pixels_.size() >= kLeastPixels;
+    return pixels_.size() >= kFewestPixels;
   }
 
   static Halves slopes_between(const Halves& base, const Halves& changed, double step) {

@@ -6,7 +6,7 @@
 namespace glint {
 namespace {
 
-constexpr const char* kTable = "calibration_trial";
+constexpr const char* kTrialTable = "calibration_trial";
 
 /// Parts of the scene without which no board can be photographed.
 void check_scene(const ConfigNode& table,
@@ -14,7 +14,7 @@ void check_scene(const ConfigNode& table,
                  std::vector<Problem>& errors) {
   const auto fail = [&](const std::string& text) {
     errors.push_back(
-        {.kind = Problem::Kind::kRelation, .place = table.place, .key = kTable, .text = text});
+        {.kind = Problem::Kind::kRelation, .place = table.place, .key = kTrialTable, .text = text});
   };
   try {
     scene_from_camera(scene, PoseSettings{});
@@ -72,12 +72,12 @@ void visit_keys(KeyVisitor& keys, CalibrationTrialSettings& s) {
 std::optional<CalibrationTrialSettings> read_calibration_trial(const ConfigNode& root,
                                                                const SceneSettings& scene,
                                                                std::vector<Problem>& errors) {
-  const ConfigNode* table = root.find(kTable);
+  const ConfigNode* table = root.find(kTrialTable);
   if (table == nullptr) {
     return std::nullopt;
   }
   CalibrationTrialSettings settings;
-  KeyReader reader(table, kTable, errors);
+  KeyReader reader(table, kTrialTable, errors);
   visit_keys(reader, settings);
   reader.report_unknown();
   check_scene(*table, scene, errors);
@@ -94,7 +94,7 @@ ConfigNode write_calibration_trial(CalibrationTrialSettings settings) {
 std::vector<KeyRow> calibration_trial_keys() {
   std::vector<KeyRow> rows;
   CalibrationTrialSettings settings;
-  KeyLister lister(kTable, rows);
+  KeyLister lister(kTrialTable, rows);
   visit_keys(lister, settings);
   return rows;
 }

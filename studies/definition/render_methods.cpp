@@ -11,12 +11,12 @@
 namespace glint {
 namespace {
 
-using Method = RenderSettings::Method;
+using RenderMethod = RenderSettings::Method;
 
 /// What of a scene a method does not model, problem by problem.
 class MethodRange {
  protected:
-  MethodRange(const SceneSettings& scene, Method method) : scene_(scene), method_(method) {}
+  MethodRange(const SceneSettings& scene, RenderMethod method) : scene_(scene), method_(method) {}
 
   void expect(bool is_right,
               const std::string& key,
@@ -54,7 +54,7 @@ class MethodRange {
   }
 
   const SceneSettings& scene_;
-  Method method_;
+  RenderMethod method_;
   std::vector<Problem> problems_;
 };
 
@@ -64,7 +64,7 @@ constexpr double kLargestAlpha = 0.1;
 /// What of a scene blurred reflections do not model.
 class BlurredRange : public MethodRange {
  public:
-  explicit BlurredRange(const SceneSettings& scene) : MethodRange(scene, Method::kBlurred) {}
+  explicit BlurredRange(const SceneSettings& scene) : MethodRange(scene, RenderMethod::kBlurred) {}
 
   std::vector<Problem> problems() {
     check_light();
@@ -149,7 +149,7 @@ constexpr int kMostDirectRays = 4;  ///< along each side of a pixel
 /// What of a scene the sum of direct light does not model.
 class DirectRange : public MethodRange {
  public:
-  explicit DirectRange(const SceneSettings& scene) : MethodRange(scene, Method::kDirect) {}
+  explicit DirectRange(const SceneSettings& scene) : MethodRange(scene, RenderMethod::kDirect) {}
 
   std::vector<Problem> problems() {
     check_lights();
@@ -235,13 +235,13 @@ FrameMethod frame_method(const SceneSettings& scene) {
                         {"batches", paths.batches},
                         {"max_reflections", paths.max_reflections}}};
   }
-  const Method method = scene.render.method;
-  return {.name = method == Method::kSampled ? "sampled" : "integrated",
-          .has_closed_mean = method == Method::kAuto || method == Method::kClosed};
+  const RenderMethod method = scene.render.method;
+  return {.name = method == RenderMethod::kSampled ? "sampled" : "integrated",
+          .has_closed_mean = method == RenderMethod::kAuto || method == RenderMethod::kClosed};
 }
 
 bool is_blurred(const SceneSettings& scene) {
-  return scene.render.method == Method::kBlurred;
+  return scene.render.method == RenderMethod::kBlurred;
 }
 
 std::vector<Problem> blurred_problems(const SceneSettings& scene) {
@@ -249,7 +249,7 @@ std::vector<Problem> blurred_problems(const SceneSettings& scene) {
 }
 
 bool is_direct(const SceneSettings& scene) {
-  return scene.render.method == Method::kDirect;
+  return scene.render.method == RenderMethod::kDirect;
 }
 
 std::vector<Problem> direct_problems(const SceneSettings& scene) {
@@ -266,10 +266,10 @@ SceneSettings finer_settings(SceneSettings scene) {
     constexpr int kMaxSamples = 65535;
     scene.paths.seed += kFreshSeed;
     scene.paths.samples = std::min(kMaxSamples, kMoreSamples * scene.paths.samples);
-  } else if (scene.render.method == Method::kSampled || is_blurred(scene)) {
+  } else if (scene.render.method == RenderMethod::kSampled || is_blurred(scene)) {
     scene.render.rays_per_axis *= 2;
   } else {
-    scene.render.method = Method::kIntegrated;
+    scene.render.method = RenderMethod::kIntegrated;
     scene.render.max_direction_error_rad *= 0.25;
   }
   return scene;
@@ -277,7 +277,7 @@ SceneSettings finer_settings(SceneSettings scene) {
 
 SceneSettings coarse_settings(SceneSettings scene) {
   if (!needs_paths(scene)) {
-    scene.render.method = is_blurred(scene) ? Method::kBlurred : Method::kSampled;
+    scene.render.method = is_blurred(scene) ? RenderMethod::kBlurred : RenderMethod::kSampled;
     scene.render.rays_per_axis = 1;
   }
   return scene;

@@ -92,8 +92,8 @@ void for_each_path(Node&& node, const Function& function) {
 /// A plain value, or an array of them, with its path.
 using PlacedValue = std::pair<std::string, std::string>;
 
-bool holds_tables(const ConfigNode& node) {
-  return node.is_table() || (node.is_array() && std::ranges::any_of(node.items, holds_tables));
+bool has_table(const ConfigNode& node) {
+  return node.is_table() || (node.is_array() && std::ranges::any_of(node.items, has_table));
 }
 
 /// A number is the same one however it is written: 95 and 95.0.
@@ -109,7 +109,7 @@ std::string value_text(const ConfigNode& node) {
 }
 
 void collect(const ConfigNode& node, const std::string& path, std::vector<PlacedValue>& values) {
-  if (!holds_tables(node)) {
+  if (!has_table(node)) {
     values.emplace_back(path, value_text(node));
     return;
   }

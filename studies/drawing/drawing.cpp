@@ -18,9 +18,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPageWidth = 440.0;
-constexpr double kMargin = 12.0;
-constexpr double kTextWidth = kPageWidth - 2.0 * kMargin;
+constexpr double kTextWidth = kDrawingWidth - 2.0 * kDrawingMargin;
 constexpr double kTitleWidth = 0.82 * kTextWidth;  // of larger, bold letters
 constexpr double kFootHeight = 20.0;
 constexpr double kViewLeft = 64.0;       // room for the dimensions on the left
@@ -30,10 +28,7 @@ constexpr double kCameraHeight = 118.0;  // room above the walls for slot, view 
 constexpr double kDimensionGap = 24.0;   // from the drawing to a dimension
 constexpr double kFinestStripe = 0.7;    // narrower stripes would only be a grey of unknown meaning
 
-constexpr std::string_view kLight = "#e69f00";
 constexpr std::string_view kDark = "#4a545d";
-constexpr std::string_view kPart = "#9db4c6";
-constexpr std::string_view kRay = "#0072b2";
 
 struct Box {
   Vector2d low = Vector2d::Constant(std::numeric_limits<double>::infinity());
@@ -158,7 +153,7 @@ void draw_camera_view(SvgPage& page,
       const Vector2d foot = start + sign * spread * side;
       page.line(foot,
                 foot + shown * (start + full * away - foot),
-                stroke(kRay, 0.8, "stroke-dasharray=\"5 3\""));
+                stroke(kDrawingRay, 0.8, "stroke-dasharray=\"5 3\""));
     }
   }
   const Vector2d place = start + std::min(full, reach) * away;
@@ -175,12 +170,12 @@ void draw_camera_view(SvgPage& page,
 
 void draw_walls_and_part(SvgPage& page, const CrossSection& section, const View& view) {
   for (const auto& panel : section.panels_yz_mm) {
-    page.shape("polyline", view(panel), stroke(kLight, 5.0));
+    page.shape("polyline", view(panel), stroke(kDrawingLight, 5.0));
     page.shape("polyline", view(panel), stroke(kDrawingInk, 0.8));
   }
   if (!section.part_yz_mm.empty()) {
     const char* tag = section.part_yz_mm.size() < 3 ? "polyline" : "polygon";
-    page.shape(tag, view(section.part_yz_mm), filled(kPart));
+    page.shape(tag, view(section.part_yz_mm), filled(kDrawingPart));
   }
 }
 
@@ -259,7 +254,8 @@ void draw_stripes(SvgPage& page, const CrossSection& section, const View& view, 
       stripe = clipped(stripe, component, wall.high[component], -1.0);
     }
     if (box_of(stripe).size().minCoeff() > 1e-9) {  // not cut away, nor down to a line
-      page.shape("polygon", view(stripe), fmt::format("class=\"stripe\" fill=\"{}\"", kLight));
+      page.shape(
+          "polygon", view(stripe), fmt::format("class=\"stripe\" fill=\"{}\"", kDrawingLight));
     }
   }
 }
@@ -296,11 +292,11 @@ double draw_cross_section(SvgPage& page, const CrossSection& section, double top
   const Box all = section_box(section);
   const View view = view_of(all, cross_section_scale(section), top + kCameraHeight);
   const double bottom = view(all.low).y();
-  page.text({kMargin, top + 12.0}, "Cross-section", "start", 0.0, "font-weight=\"bold\"");
+  page.text({kDrawingMargin, top + 12.0}, "Cross-section", "start", 0.0, "font-weight=\"bold\"");
   draw_camera_view(page, section, view, top + 44.0);
   draw_walls_and_part(page, section, view);
   draw_section_dimensions(page, section, view);
-  page.axes({kMargin + 2.0, bottom + 54.0}, "y", "z");
+  page.axes({kDrawingMargin + 2.0, bottom + 54.0}, "y", "z");
   page.scale_bar({kViewLeft, bottom + 50.0}, view.scale);
   return bottom + 66.0;
 }
@@ -322,8 +318,9 @@ double draw_elevation(SvgPage& page, const CrossSection& section, double top) {
   const double narrowest = section.period_mm * std::min(section.duty, 1.0 - section.duty);
   const bool has_stripes = section.period_mm > 0.0 && narrowest * view.scale >= kFinestStripe;
 
-  page.text({kMargin, top + 12.0}, "Side elevation", "start", 0.0, "font-weight=\"bold\"");
-  page.shape("polygon", view(wall.corners()), filled(section.period_mm > 0.0 ? kDark : kLight));
+  page.text({kDrawingMargin, top + 12.0}, "Side elevation", "start", 0.0, "font-weight=\"bold\"");
+  page.shape(
+      "polygon", view(wall.corners()), filled(section.period_mm > 0.0 ? kDark : kDrawingLight));
   if (has_stripes) {
     draw_stripes(page, section, view, wall);
   }
@@ -335,18 +332,18 @@ double draw_elevation(SvgPage& page, const CrossSection& section, double top) {
   }
   page.shape("polygon", view(wall.corners()), stroke(kDrawingInk, 1.0));
   if (has_part) {
-    page.shape("polygon", view(side.corners()), filled(kPart));
+    page.shape("polygon", view(side.corners()), filled(kDrawingPart));
   }
   page.dimension({view(wall.high).x(), bottom},
                  {view(wall.low).x(), bottom},
                  kDimensionGap,
                  length_text(section.length_mm));
-  page.axes({kMargin + 2.0, bottom + 54.0}, "x", "z");
+  page.axes({kDrawingMargin + 2.0, bottom + 54.0}, "x", "z");
   page.scale_bar({kViewLeft, bottom + 50.0}, view.scale);
   double height = bottom + 66.0;
   for (const std::string& line : fringe_lines(section, has_stripes)) {
     height += 16.0;
-    page.text({kMargin, height - 4.0}, line, "start");
+    page.text({kDrawingMargin, height - 4.0}, line, "start");
   }
   return height + 4.0;
 }
@@ -362,7 +359,7 @@ std::string cross_section_svg(const CrossSection& section) {
   SvgPage page;
   double height = 8.0;
   if (!section.title.empty()) {
-    height = page.lines({kMargin, 20.0},
+    height = page.lines({kDrawingMargin, 20.0},
                         {section.title},
                         kTitleWidth,
                         "font-size=\"14\" font-weight=\"bold\"") -
@@ -374,17 +371,17 @@ std::string cross_section_svg(const CrossSection& section) {
     if (section.length_mm > 0.0 && !panel_box(section).is_empty()) {
       height = draw_elevation(page, section, height + 10.0);
     }
-    height = page.lines({kMargin, height + 12.0}, wall_lines(section), kTextWidth) - 4.0;
+    height = page.lines({kDrawingMargin, height + 12.0}, wall_lines(section), kTextWidth) - 4.0;
   }
   const std::string title = section.title.empty() ? "Lighting, to scale" : section.title;
   if (scale <= 0.0) {
-    return page.document(kPageWidth, height, title);
+    return page.document(kDrawingWidth, height, title);
   }
-  const PaperScale paper = paper_scale(scale, kPageWidth, height + kFootHeight);
-  page.text({kMargin, height + 12.0},
+  const PaperScale paper = paper_scale(scale, kDrawingWidth, height + kFootHeight);
+  page.text({kDrawingMargin, height + 12.0},
             fmt::format("cross-section {} printed at 100 %, lengths in mm", paper.words),
             "start");
-  return page.document(kPageWidth, height + kFootHeight, title, paper.unit_mm);
+  return page.document(kDrawingWidth, height + kFootHeight, title, paper.unit_mm);
 }
 
 }  // namespace glint

@@ -20,24 +20,19 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPageWidth = 440.0;
-constexpr double kMargin = 12.0;
-constexpr double kViewLeft = 40.0;
-constexpr double kViewWidth = 320.0;
-constexpr double kTitleWidth = 0.82 * (kPageWidth - 2.0 * kMargin);  ///< of larger, bold letters
-constexpr double kDimensionGap = 22.0;                               ///< between dimension lines
-constexpr double kNoteHeight_mm = 3.0;
+constexpr double kLightViewLeft = 40.0;
+constexpr double kLightViewWidth = 320.0;
+constexpr double kLightTitleWidth =
+    0.82 * (kDrawingWidth - 2.0 * kDrawingMargin);  ///< of larger, bold letters
+constexpr double kLightDimensionGap = 22.0;         ///< between dimension lines
+constexpr double kLightNote_mm = 3.0;
 constexpr double kDxfTolerance_mm = 1e-3;
-constexpr double kViewHeight = 330.0;
+constexpr double kLightViewHeight = 330.0;
 constexpr double kCameraRoom = 84.0;  ///< above the view, for a camera that is far away
 constexpr double kFarCamera = 1.6;    ///< times the size of the rest: drawn behind a break
 
-constexpr std::string_view kLight = "#e69f00";
-constexpr std::string_view kPart = "#9db4c6";
-constexpr std::string_view kRay = "#0072b2";
-
 /// Page position of a place of the plane.
-struct View {
+struct LightView {
   double scale = 1.0;
   Vector2d origin = Vector2d::Zero();
 
@@ -67,7 +62,7 @@ struct Extent {
   Vector2d size() const { return high - low; }
 };
 
-std::string stroke(std::string_view colour, double width, std::string_view more = "") {
+std::string light_stroke(std::string_view colour, double width, std::string_view more = "") {
   return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\" {}",
                      colour,
                      width,
@@ -85,7 +80,7 @@ double half_angle_rad(const PhysicalScene& scene, const DrawingPlane& section) {
                            : std::atan(0.5 * in.height_px / in.focal_px.y());
 }
 
-void draw_camera(SvgPage& page, const Vector2d& at, const Vector2d& away) {
+void draw_camera_of_lights(SvgPage& page, const Vector2d& at, const Vector2d& away) {
   const Vector2d side(-away.y(), away.x());
   const auto block = [&](double near, double far, double half) {
     page.shape("polygon",
@@ -103,7 +98,7 @@ void draw_camera(SvgPage& page, const Vector2d& at, const Vector2d& away) {
 void draw_camera_view(SvgPage& page,
                       const PhysicalScene& scene,
                       const DrawingPlane& section,
-                      const View& view,
+                      const LightView& view,
                       double max_units) {
   const RigidTransform pose = inverse(scene.camera_from_world);
   const Vector2d camera = view(section(pose.translation_mm));
@@ -122,31 +117,33 @@ void draw_camera_view(SvgPage& page,
   const double shown = is_far ? (max_units - 32.0) / length : 1.0;
   for (const double sign : {-1.0, 1.0}) {
     const Vector2d edge = foot + sign * spread * side;
-    page.line(edge, edge + shown * (camera - edge), stroke(kRay, 0.8, "stroke-dasharray=\"5 3\""));
+    page.line(edge,
+              edge + shown * (camera - edge),
+              light_stroke(kDrawingRay, 0.8, "stroke-dasharray=\"5 3\""));
   }
-  page.line(foot, place, stroke(kDrawingSoft, 0.7, "stroke-dasharray=\"9 3 2 3\""));
+  page.line(foot, place, light_stroke(kDrawingSoft, 0.7, "stroke-dasharray=\"9 3 2 3\""));
   if (is_far) {
     page.break_mark(
         place - 26.0 * away, away, std::clamp(spread * (1.0 - shown) + 8.0, 12.0, 60.0));
   }
-  draw_camera(page, place, away);
-  const bool is_right = place.x() > 0.75 * kPageWidth;
+  draw_camera_of_lights(page, place, away);
+  const bool is_right = place.x() > 0.75 * kDrawingWidth;
   page.text(place + Vector2d(is_right ? 22.0 : 0.0, away.y() < -0.5 ? -27.0 : -16.0),
             fmt::format("camera {} away", length_text(pose.translation_mm.norm())),
             is_right ? "end" : "middle");
 }
 
-void draw_lights(SvgPage& page, const LightLines& lines, const View& view) {
+void draw_lights(SvgPage& page, const LightLines& lines, const LightView& view) {
   for (const PlaneLine& outline : lines.seen) {
     page.shape("polygon",
                view(outline),
                fmt::format("fill=\"{0}\" fill-opacity=\"0.5\" stroke=\"{0}\" stroke-width=\"3.4\" "
                            "stroke-linejoin=\"round\"",
-                           kLight));
+                           kDrawingLight));
   }
   for (const PlaneLine& cut : lines.cut) {
-    page.shape("polyline", view(cut), stroke(kLight, 5.0));
-    page.shape("polyline", view(cut), stroke(kDrawingInk, 0.8));
+    page.shape("polyline", view(cut), light_stroke(kDrawingLight, 5.0));
+    page.shape("polyline", view(cut), light_stroke(kDrawingInk, 0.8));
   }
 }
 
@@ -154,7 +151,7 @@ void draw_lights(SvgPage& page, const LightLines& lines, const View& view) {
 /// beside what they measure. @return the height below the last of them
 double draw_dimensions(SvgPage& page,
                        const std::vector<PlaneDimension>& dimensions,
-                       const View& view,
+                       const LightView& view,
                        const Vector2d& right_bottom) {
   double bottom = right_bottom.y();
   double right = right_bottom.x();
@@ -163,13 +160,13 @@ double draw_dimensions(SvgPage& page,
     const Vector2d a = view(one.a_mm);
     const Vector2d b = view(one.b_mm);
     if (std::abs(a.y() - b.y()) < 0.01) {
-      bottom += kDimensionGap;
+      bottom += kLightDimensionGap;
       page.dimension(a, b, a.y() - bottom, one.words);
     } else if (std::abs(a.x() - b.x()) < 0.01) {
-      right += kDimensionGap;
+      right += kLightDimensionGap;
       page.dimension(a, b, a.x() - right, one.words);
     } else {
-      beside += kDimensionGap;
+      beside += kLightDimensionGap;
       page.dimension(a, b, beside, one.words);
     }
   }
@@ -205,11 +202,11 @@ struct Sheet {
   }
 };
 
-void draw_part(SvgPage& page, const PlaneLine& part, const View& view) {
+void draw_part(SvgPage& page, const PlaneLine& part, const LightView& view) {
   page.shape("polygon",
              view(part),
              fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1\" stroke-linejoin=\"round\"",
-                         kPart,
+                         kDrawingPart,
                          kDrawingInk));
 }
 
@@ -222,20 +219,22 @@ std::string area_lights_svg(const SceneSettings& scene,
   SvgPage page;
   double head = 20.0;
   if (!title.empty()) {
-    head =
-        page.lines({kMargin, 20.0}, {title}, kTitleWidth, "font-size=\"14\" font-weight=\"bold\"") +
-        8.0;
+    head = page.lines({kDrawingMargin, 20.0},
+                      {title},
+                      kLightTitleWidth,
+                      "font-size=\"14\" font-weight=\"bold\"") +
+           8.0;
   }
-  page.text({kMargin, head},
+  page.text({kDrawingMargin, head},
             "Lights, part and camera from the side",
             "start",
             0.0,
             "font-weight=\"bold\"");
   const Vector2d size = sheet.extent.size().cwiseMax(1e-3);
-  const double scale = std::min(kViewWidth / size.x(), kViewHeight / size.y());
+  const double scale = std::min(kLightViewWidth / size.x(), kLightViewHeight / size.y());
   const double top = head + 14.0 + (sheet.is_camera_far ? kCameraRoom : 44.0);
-  const double left = kViewLeft + 0.5 * (kViewWidth - scale * size.x());
-  const View view = {
+  const double left = kLightViewLeft + 0.5 * (kLightViewWidth - scale * size.x());
+  const LightView view = {
       .scale = scale,
       .origin = {left - scale * sheet.extent.low.x(), top + scale * sheet.extent.high.y()}};
   const Vector2d origin = view(Vector2d::Zero());
@@ -245,14 +244,16 @@ std::string area_lights_svg(const SceneSettings& scene,
   draw_lights(page, sheet.lines, view);
   const Vector2d corner = view(Vector2d(sheet.extent.high.x(), sheet.extent.low.y()));
   double bottom = draw_dimensions(page, sheet.dimensions, view, corner);
-  page.axes({kMargin + 2.0, bottom + 48.0}, sheet.plane.across_name, "z");
-  page.scale_bar({kViewLeft + 90.0, bottom + 44.0}, scale);
-  bottom = page.lines({kMargin, bottom + 74.0}, light_lines(scene), kPageWidth - 2.0 * kMargin);
-  const PaperScale paper = paper_scale(scale, kPageWidth, bottom + 8.0);
-  page.text(
-      {kMargin, bottom}, fmt::format("{} printed at 100 %, lengths in mm", paper.words), "start");
+  page.axes({kDrawingMargin + 2.0, bottom + 48.0}, sheet.plane.across_name, "z");
+  page.scale_bar({kLightViewLeft + 90.0, bottom + 44.0}, scale);
+  bottom = page.lines(
+      {kDrawingMargin, bottom + 74.0}, light_lines(scene), kDrawingWidth - 2.0 * kDrawingMargin);
+  const PaperScale paper = paper_scale(scale, kDrawingWidth, bottom + 8.0);
+  page.text({kDrawingMargin, bottom},
+            fmt::format("{} printed at 100 %, lengths in mm", paper.words),
+            "start");
   return page.document(
-      kPageWidth, bottom + 8.0, title.empty() ? "Lighting, to scale" : title, paper.unit_mm);
+      kDrawingWidth, bottom + 8.0, title.empty() ? "Lighting, to scale" : title, paper.unit_mm);
 }
 
 std::string area_lights_dxf(const SceneSettings& scene,
@@ -279,8 +280,8 @@ std::string area_lights_dxf(const SceneSettings& scene,
     notes.push_back(line);
   }
   for (const std::string& note : notes) {
-    dxf.text("NOTES", at, kNoteHeight_mm, note);
-    at.y() -= 2.0 * kNoteHeight_mm;
+    dxf.text("NOTES", at, kLightNote_mm, note);
+    at.y() -= 2.0 * kLightNote_mm;
   }
   return dxf.document();
 }

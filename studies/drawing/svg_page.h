@@ -12,6 +12,13 @@ namespace glint {
 /// Colours of the drawings.
 inline constexpr std::string_view kDrawingInk = "#27313a";
 inline constexpr std::string_view kDrawingSoft = "#6b7680";
+inline constexpr std::string_view kDrawingLight = "#e69f00";
+inline constexpr std::string_view kDrawingPart = "#9db4c6";
+inline constexpr std::string_view kDrawingRay = "#0072b2";
+
+/// Of the page, in its units.
+inline constexpr double kDrawingWidth = 440.0;
+inline constexpr double kDrawingMargin = 12.0;
 
 /// How large a drawing is on paper.
 struct PaperScale {

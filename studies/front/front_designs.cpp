@@ -23,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Row = std::vector<double>;
 
-constexpr int kDraws = 4000;  // of the scores' errors: 1 % of probability is 2 standard errors
+constexpr int kScoreDraws = 4000;  // of the scores' errors: 1 % of probability is 2 standard errors
 
 double sign_of(const Objective& objective) {
   return objective.is_maximised ? -1.0 : 1.0;
@@ -104,7 +104,7 @@ std::vector<Rescored> rescored_of(const Goal& goal, Json& front) {
 std::vector<double> shares_on_front(const std::vector<Rescored>& designs) {
   std::vector<int> unbeaten(designs.size(), 0);
   std::vector<Row> rows(designs.size());
-  for (int draw = 0; draw < kDraws; ++draw) {
+  for (int draw = 0; draw < kScoreDraws; ++draw) {
     Rng rng(0, Stream::kResampling, static_cast<std::uint64_t>(draw));
     for (std::size_t k = 0; k < designs.size(); ++k) {
       rows[k] = designs[k].fresh;
@@ -120,7 +120,7 @@ std::vector<double> shares_on_front(const std::vector<Rescored>& designs) {
   }
   std::vector<double> shares;
   std::ranges::transform(unbeaten, std::back_inserter(shares), [](int count) {
-    return static_cast<double>(count) / kDraws;
+    return static_cast<double>(count) / kScoreDraws;
   });
   return shares;
 }

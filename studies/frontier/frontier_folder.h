@@ -16,6 +16,9 @@
 
 namespace glint {
 
+/// Of the progress bar of a chart, whose work is a share from 0 to 1.
+inline constexpr int kProgressSteps = 1000;
+
 /// @throws ConfigError when the folder holds something else, or what the study is made of
 void check_frontier_folder(const Study& study, const std::filesystem::path& out);
 

@@ -26,8 +26,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kProgressSteps = 1000;
-
 std::string resolution_name(int reduction) {
   return reduction == 1 ? "full" : reduction == 2 ? "half" : fmt::format("1/{}", reduction);
 }

@@ -63,14 +63,15 @@ class InspectorList {
 };
 
 /// Reports at each threshold, of one scan or of many.
-struct Counts {
+struct ReportCounts {
   std::vector<int> found;
   std::vector<int> false_reports;
   int defects = 0;
 
-  explicit Counts(std::size_t thresholds = 0) : found(thresholds), false_reports(thresholds) {}
+  explicit ReportCounts(std::size_t thresholds = 0)
+      : found(thresholds), false_reports(thresholds) {}
 
-  void add(const Counts& other) {
+  void add(const ReportCounts& other) {
     for (std::size_t i = 0; i < found.size(); ++i) {
       found[i] += other.found[i];
       false_reports[i] += other.false_reports[i];
@@ -79,10 +80,10 @@ struct Counts {
   }
 };
 
-Counts counts_of(const SimulatedLine& line,
-                 const ScannedPart& part,
-                 const std::vector<double>& thresholds) {
-  Counts counts(thresholds.size());
+ReportCounts counts_of(const SimulatedLine& line,
+                       const ScannedPart& part,
+                       const std::vector<double>& thresholds) {
+  ReportCounts counts(thresholds.size());
   counts.defects = static_cast<int>(part.defects.size());
   for (std::size_t i = 0; i < thresholds.size(); ++i) {
     const auto matches = match_detections(
@@ -180,14 +181,15 @@ class InspectorMeasuring {
   std::vector<DetectionPoint> curve_of(const SimulatedLine& line,
                                        const std::vector<double>& thresholds,
                                        double noise) {
-    const Counts parts = count(thresholds.size(), frontier_.parts, [&](std::int64_t number) {
+    const ReportCounts parts = count(thresholds.size(), frontier_.parts, [&](std::int64_t number) {
       return counts_of(line, line.part(number), thresholds);
     });
     const std::int64_t calibrating = scene_.inspection.trials.flawless;
-    const Counts flawless = count(thresholds.size(), frontier_.flawless, [&](std::int64_t number) {
-      // The first ones may have set the threshold.
-      return counts_of(line, line.flawless(calibrating + number), thresholds);
-    });
+    const ReportCounts flawless =
+        count(thresholds.size(), frontier_.flawless, [&](std::int64_t number) {
+          // The first ones may have set the threshold.
+          return counts_of(line, line.flawless(calibrating + number), thresholds);
+        });
     const double confidence = scene_.inspection.trials.confidence;
     std::vector<DetectionPoint> curve;
     for (std::size_t i = 0; i < thresholds.size(); ++i) {
@@ -202,9 +204,9 @@ class InspectorMeasuring {
   }
 
   template <class CountOne>
-  Counts count(std::size_t thresholds, int scans, const CountOne& count_one) {
-    Counts sum(thresholds);
-    for (const Counts& one : pool_.map<Counts>(scans, count_one)) {
+  ReportCounts count(std::size_t thresholds, int scans, const CountOne& count_one) {
+    ReportCounts sum(thresholds);
+    for (const ReportCounts& one : pool_.map<ReportCounts>(scans, count_one)) {
       sum.add(one);
     }
     return sum;

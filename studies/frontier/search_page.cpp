@@ -21,8 +21,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kProgressSteps = 1000;
-
 Json run_json(const SearchRun& run) {
   Json steps = Json::array();
   for (const SearchStep& step : run.steps) {

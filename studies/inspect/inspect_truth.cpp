@@ -20,7 +20,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Json = nlohmann::json;
 
 SceneSettings scene_of(const fs::path& path) {
   const ConfigNode root = load_toml(path);
@@ -41,7 +40,7 @@ class Reader {
       : camera_(intrinsics_of(scene)), pose_(camera_from_world(scene.viewpoint())) {}
 
   /// Empty when the defect is behind the camera or outside the picture.
-  std::optional<KnownDefect> read(const Json& json) const {
+  std::optional<KnownDefect> read(const nlohmann::json& json) const {
     KnownDefect known{.id = json.at("id").get<int>(),
                       .label = json.at("label").get<std::string>(),
                       .kind = json.at("kind").get<std::string>()};
@@ -63,12 +62,12 @@ class Reader {
   }
 
  private:
-  static Vector3d vector_of(const Json& json) {
+  static Vector3d vector_of(const nlohmann::json& json) {
     return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
   }
 
   /// The line that a scratch's width is measured from ends half a width before its ends.
-  static double half_line_mm(const Json& json) {
+  static double half_line_mm(const nlohmann::json& json) {
     return std::max(0.0,
                     0.5 * (json.at("length_mm").get<double>() - json.at("width_mm").get<double>()));
   }
@@ -100,13 +99,13 @@ std::vector<KnownDefect> read_known_defects(const fs::path& defects, const fs::p
   const Reader reader(scene_of(scene));
   std::vector<KnownDefect> known;
   try {
-    const Json list = Json::parse(read_file(defects));
-    for (const Json& json : list.at("defects")) {
+    const nlohmann::json list = nlohmann::json::parse(read_file(defects));
+    for (const nlohmann::json& json : list.at("defects")) {
       if (auto defect = reader.read(json)) {
         known.push_back(std::move(*defect));
       }
     }
-  } catch (const Json::exception& error) {
+  } catch (const nlohmann::json::exception& error) {
     throw ConfigError(fmt::format("{}: is no list of defects as `glint render` writes it: {}",
                                   defects.string(),
                                   error.what()));

@@ -53,7 +53,7 @@ const KindNames& names_of(ResultKind kind) {
   return *std::ranges::find(kKinds, kind, &KindNames::kind);
 }
 
-bool is_there(const fs::path& path) {
+bool has_entry(const fs::path& path) {
   std::error_code error;
   return fs::symlink_status(path, error).type() != fs::file_type::not_found && !error;
 }
@@ -84,7 +84,7 @@ std::optional<ResultKind> kind_told_by(const Json& run) {
 
 /// Folders of versions whose run.json did not tell.
 std::optional<ResultKind> kind_by_files(const fs::path& folder) {
-  const auto has = [&](const char* name) { return is_there(folder / name); };
+  const auto has = [&](const char* name) { return has_entry(folder / name); };
   if (has(kResolvedScene) && read_file(folder / kResolvedScene).starts_with("# glint imprint:")) {
     return ResultKind::kImprint;
   }
@@ -111,7 +111,7 @@ std::string_view command_of(ResultKind kind) {
 }
 
 std::optional<ResultKind> result_kind_of(const fs::path& folder) {
-  if (is_there(folder / "study.sqlite")) {
+  if (has_entry(folder / "study.sqlite")) {
     return ResultKind::kRun;
   }
   const auto told = kind_told_by(run_json_in(folder));
@@ -132,7 +132,7 @@ void check_result_folder(const fs::path& folder,
     return;
   }
   for (const std::string& name : names) {
-    if (is_there(folder / name)) {
+    if (has_entry(folder / name)) {
       throw ConfigError(
           fmt::format("{}: holds a {} that is not of `glint {}`; choose another output folder",
                       folder.string(),

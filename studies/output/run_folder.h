@@ -8,6 +8,9 @@ namespace glint {
 /// The file of a run's folder by which the folder is known: the study that it ran.
 inline constexpr const char* kRunStudy = "study.resolved.toml";
 
+/// The scene of a design's folder.
+inline constexpr const char* kDesignScene = "scene.toml";
+
 /// The folder of the run that a file or a folder lies in: the nearest one that holds the run's
 /// study, the path itself or any folder above it. Folders of `glint render` and `glint cover` hold
 /// a study and are no run. Links are not followed. Empty: it lies in none.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/config/toml.h"
+#include "core/pose.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
 #include "studies/reach/light_bodies.h"
 
@@ -16,10 +17,6 @@ using Eigen::Vector3d;
 using Kind = SolidBody::Kind;
 
 constexpr int kFlange = 6;
-
-Vector3d vector_of_three(const std::vector<double>& v) {
-  return {v[0], v[1], v[2]};
-}
 
 /// The table [calibration] of a file that glint calibrate wrote.
 CalibrationSettings read_calibration_of(const std::filesystem::path& file) {
@@ -33,8 +30,7 @@ CalibrationSettings read_calibration_of(const std::filesystem::path& file) {
 }
 
 RigidTransform scene_from_part(const SceneSettings& scene) {
-  return pose_from_angles(vector_of_three(scene.part.position_mm),
-                          vector_of_three(scene.part.rotation_rad));
+  return pose_from_angles(vector_of(scene.part.position_mm), vector_of(scene.part.rotation_rad));
 }
 
 /// Puts a body where its frame is.
@@ -52,7 +48,7 @@ void add_camera(const PlanningSettings& settings, const CellChain& chain, Planni
   if (settings.camera_size_mm.empty()) {
     return;
   }
-  const Vector3d size_mm = vector_of_three(settings.camera_size_mm);
+  const Vector3d size_mm = vector_of(settings.camera_size_mm);
   SolidBody body = {.name = "camera"};
   body.mesh = box_mesh(Vector3d(0.0, 0.0, settings.camera_front_mm - 0.5 * size_mm.z()), size_mm);
   add_body(std::move(body), chain.is_in_hand, chain.carrier_from_camera, planned);
@@ -81,22 +77,17 @@ void add_carried(const CellPlanning& planning, const CellChain& chain, PlanningC
                 planned);
   }
   for (const CellBody& body : planning.bodies) {
-    add_capsule(body.name,
-                vector_of_three(body.from_mm),
-                vector_of_three(body.to_mm),
-                body.radius_mm,
-                planned);
+    add_capsule(body.name, vector_of(body.from_mm), vector_of(body.to_mm), body.radius_mm, planned);
   }
 }
 
 void add_obstacles(const CellPlanning& planning, PlanningCell& planned) {
   for (const CellObstacle& obstacle : planning.obstacles) {
     SolidBody body = {.name = obstacle.name};
-    body.mesh = obstacle.file.empty()
-                    ? box_mesh(Vector3d::Zero(), vector_of_three(obstacle.size_mm))
-                    : read_mesh(obstacle.file);
-    const Vector3d turn_rad = vector_of_three(obstacle.rotation_rad);
-    RigidTransform pose = {.translation_mm = vector_of_three(obstacle.position_mm)};
+    body.mesh = obstacle.file.empty() ? box_mesh(Vector3d::Zero(), vector_of(obstacle.size_mm))
+                                      : read_mesh(obstacle.file);
+    const Vector3d turn_rad = vector_of(obstacle.rotation_rad);
+    RigidTransform pose = {.translation_mm = vector_of(obstacle.position_mm)};
     if (turn_rad.norm() > 0.0) {
       pose.rotation = Eigen::AngleAxisd(turn_rad.norm(), turn_rad.normalized()).matrix();
     }

@@ -6,8 +6,6 @@
 namespace glint::stability {
 namespace {
 
-constexpr double kObjectPixel_mm = 1.2;
-
 Sweep keyed(const char* name,
             const char* key,
             const char* title,

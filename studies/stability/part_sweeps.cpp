@@ -12,7 +12,6 @@
 namespace glint::stability {
 namespace {
 
-constexpr double kObjectPixel_mm = 1.2;
 constexpr double kDentSlope = 12.13e-3;  ///< 40 um deep, 8 mm wide: h / (sigma sqrt(e))
 
 constexpr double kBarFoot_mm = 21.5;  ///< the light's middle when its foot is on the plate

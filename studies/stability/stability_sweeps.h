@@ -13,6 +13,9 @@
 
 namespace glint::stability {
 
+/// Between neighbouring pixels on the strip of base_scene_text().
+inline constexpr double kObjectPixel_mm = 1.2;
+
 /// The scene that all sweeps but those of the pair start from, as a study file: a mirror strip of
 /// 190 x 44 mm under a semicylinder, 163 x 38 pixels, two dents, no noise.
 std::string_view base_scene_text();

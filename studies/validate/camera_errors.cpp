@@ -20,7 +20,7 @@ constexpr Index kMotion = 6;
 constexpr std::array<double, kLens> kLensSteps = {1.0, 1.0, 0.5, 0.5, 0.02, 0.1, 0.5, 1e-3, 1e-3};
 constexpr double kTurnStep = 1.7e-3;
 constexpr double kShiftStep = 0.5;
-constexpr double kLeastShare = 1e-3;  ///< of a step: errors that are smaller do nothing
+constexpr double kLeastOfStep = 1e-3;  ///< of a step: errors that are smaller do nothing
 
 double step_of_number(Index i) {
   return i < kLens                   ? kLensSteps[static_cast<std::size_t>(i)]
@@ -64,7 +64,7 @@ void add_camera_errors(GreyProblem& problem,
     return;
   }
   const auto matters = [&covariance](Index i) {
-    return std::sqrt(covariance(i, i)) > kLeastShare * step_of_number(i);
+    return std::sqrt(covariance(i, i)) > kLeastOfStep * step_of_number(i);
   };
   for (Index i = 0; i < kLens; ++i) {
     if (matters(i)) {

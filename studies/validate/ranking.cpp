@@ -7,8 +7,8 @@
 namespace glint {
 namespace {
 
-constexpr double kLeastShare = 0.02;  ///< differences of one view below this share are none
-constexpr double kSigmas = 1.96;
+constexpr double kLeastDifference = 0.02;  ///< differences of one view below this share are none
+constexpr double kInterval = 1.96;
 
 using Values = std::map<std::string, double>;
 
@@ -31,9 +31,9 @@ Estimate difference(const Values& first, const Values& second, double sign, doub
   const double b = mean_of_views(second);
   const double sigma =
       std::max(error / std::sqrt(std::max<double>(1.0, static_cast<double>(list.size()))),
-               kLeastShare * 0.5 * (std::abs(a) + std::abs(b)) / kSigmas);
+               kLeastDifference * 0.5 * (std::abs(a) + std::abs(b)) / kInterval);
   const double value = sign * (a - b);
-  return {.value = value, .low = value - kSigmas * sigma, .high = value + kSigmas * sigma};
+  return {.value = value, .low = value - kInterval * sigma, .high = value + kInterval * sigma};
 }
 
 bool holds_zero(const Estimate& estimate) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/image/image_io.h"
 #include "simulator/sensor/rounding.h"
 #include "studies/acquire/acquired.h"
@@ -18,11 +19,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kPlainBits = 8;
-
-bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
 
 /// The mean of the view's sequence, or its first accepted picture.
 RealView real_view(const Acquired& acquired, const std::string& view) {

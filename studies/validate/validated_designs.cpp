@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/text.h"
 #include "studies/acquire/light_difference.h"
 #include "studies/definition/scene_viewpoints.h"
@@ -20,11 +21,6 @@ namespace {
 
 constexpr const char* kWinner = "winner";
 constexpr const char* kBaseline = "baseline";
-
-bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
 
 /// All designs of the run: the winner first, the baseline last.
 std::vector<std::string> designs_in(const fs::path& run) {

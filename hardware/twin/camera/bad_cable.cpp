@@ -11,7 +11,7 @@ namespace {
 
 namespace gev = gige_register;
 
-constexpr int kSocketBytes = 64 << 20;
+constexpr int kCableBytes = 64 << 20;
 constexpr std::size_t kKeptPictures = 4;
 constexpr std::size_t kHeader = 8;
 constexpr int kPacketsAtOnce = 256;
@@ -26,8 +26,8 @@ BadCable::BadCable(std::uint32_t camera, std::uint32_t listen, std::uint64_t see
       pictures_in_({.address = listen, .port = 0}),
       pictures_out_({.address = listen, .port = 0}),
       random_(seed, Stream::kTest, 0) {
-  pictures_in_.set_buffer_bytes(kSocketBytes);
-  pictures_out_.set_buffer_bytes(kSocketBytes);
+  pictures_in_.set_buffer_bytes(kCableBytes);
+  pictures_out_.set_buffer_bytes(kCableBytes);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 

@@ -24,12 +24,6 @@ std::array<double, 6> pose_array(const Eigen::Isometry3d& pose) {
   return array_of(six);
 }
 
-/// "output_int_register_17" -> 17
-std::size_t register_of(std::string_view name) {
-  const std::string_view digits = name.substr(name.rfind('_') + 1);
-  return static_cast<std::size_t>(std::stoi(std::string(digits)));
-}
-
 /// What no twin changes.
 RtdeValue constant_value_of(std::string_view name) {
   if (name == "speed_scaling" || name == "target_speed_fraction") {
@@ -56,6 +50,11 @@ RtdeValue constant_value_of(std::string_view name) {
 }
 
 }  // namespace
+
+std::size_t register_of(std::string_view name) {
+  const std::string_view digits = name.substr(name.rfind('_') + 1);
+  return static_cast<std::size_t>(std::stoi(std::string(digits)));
+}
 
 std::optional<RtdeType> ControllerOutputs::type_of(std::string_view name) const {
   if (name == kTwinTokenOutput) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -28,5 +29,8 @@ class ControllerOutputs {
 
   const TwinController& twin_;
 };
+
+/// "output_int_register_17" -> 17
+std::size_t register_of(std::string_view name);
 
 }  // namespace glint

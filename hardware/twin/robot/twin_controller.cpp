@@ -14,12 +14,6 @@ namespace {
 constexpr double kStopRadS2 = 20.0;  ///< of stops by safety
 constexpr std::size_t kMostMessages = 100;
 
-/// "output_int_register_17" -> 17
-std::size_t register_of(std::string_view name) {
-  const std::string_view digits = name.substr(name.rfind('_') + 1);
-  return static_cast<std::size_t>(std::stoi(std::string(digits)));
-}
-
 constexpr double kMmPerM = 1000.0;
 
 Eigen::Isometry3d pose_of(const ScriptArgument& argument) {

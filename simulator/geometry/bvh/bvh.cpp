@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/index.h"
 
 namespace glint {
 namespace {
@@ -182,10 +183,6 @@ void ask16(RTCScene scene,
   for (std::size_t k = 0; k < kPacketSize; ++k) {
     query.t_max[k] = valid[k] != 0 ? query.t_max[k] : t_max[k];
   }
-}
-
-std::size_t index(std::int32_t i) {
-  return static_cast<std::size_t>(i);
 }
 
 double largest_coordinate(const TriangleMesh& mesh) {

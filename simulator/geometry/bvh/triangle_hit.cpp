@@ -5,14 +5,12 @@
 
 #include <Eigen/Geometry>
 
+#include "core/index.h"
+
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t index(std::int32_t i) {
-  return static_cast<std::size_t>(i);
-}
 
 Vector3d nearest_on_segment(const Vector3d& a, const Vector3d& b, const Vector3d& p) {
   const Vector3d along = b - a;

@@ -4,16 +4,13 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/index.h"
 #include "simulator/geometry/mesh/mesh_edges.h"
 
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t index(std::int32_t i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// Rounding of coordinates; far below what a reflected ray is lifted by.
 constexpr double kFlat_mm = 1e-7;

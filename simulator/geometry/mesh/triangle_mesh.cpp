@@ -8,16 +8,13 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "core/index.h"
 #include "simulator/geometry/mesh/mesh_edges.h"
 
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t index(std::int32_t i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// Disjoint sets with path halving; the smallest member stands for its set, so the result does not
 /// depend on the order of the unions.

@@ -11,8 +11,6 @@ namespace {
 
 using Kind = PatchCoefficients::Kind;
 
-constexpr int kMaxSteps = 20;
-constexpr double kConverged_mm = 1e-12;
 /// Share of the tolerance that a prediction of what is left must stay below, as it is one.
 constexpr double kLeft = 0.1;
 
@@ -148,7 +146,7 @@ GLINT_INLINE void begin(const PatchCoefficients& patch, const PolishLanes& lanes
     s.sy[i] = r[1] * px + r[4] * py + r[7] * pz;
     s.sz[i] = r[2] * px + r[5] * py + r[8] * pz;
     const double length = std::sqrt(px * px + py * py + pz * pz);
-    s.tolerance[i] = kConverged_mm * (length > 100.0 ? 1e-2 * length : 1.0);
+    s.tolerance[i] = kPolished_mm * (length > 100.0 ? 1e-2 * length : 1.0);
     s.move[i] = 0.0;
     s.is_found[i] = 0.0;
   }
@@ -270,7 +268,7 @@ GLINT_INLINE void search(const PatchCoefficients& patch, double max_move_mm, Sea
       n.slope[i] = 0.0;
       n.is_open[i] = 1;
     }
-    for (int k = 0; k < kMaxSteps && step(patch, max_move_mm, s, n); ++k) {
+    for (int k = 0; k < kMaxPolishSteps && step(patch, max_move_mm, s, n); ++k) {
     }
   } else {
     solve<kKind>(patch, max_move_mm, s);

@@ -10,6 +10,10 @@ namespace glint {
 
 inline constexpr int kExactLanes = 16;
 
+/// Of Newton's method, here and for single rays.
+inline constexpr int kMaxPolishSteps = 20;
+inline constexpr double kPolished_mm = 1e-12;
+
 /// An exact surface and its place as plain numbers.
 struct PatchCoefficients {
   enum class Kind { kPlane, kParaboloid, kSphere, kCylinder, kInvolute };

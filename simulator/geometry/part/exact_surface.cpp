@@ -67,9 +67,6 @@ Implicit evaluate(const ExactPatch& patch, const Vector3d& p_in_patch) {
   return std::visit([&](const auto& shape) { return implicit(shape, p_in_patch); }, patch.shape);
 }
 
-constexpr int kMaxSteps = 20;
-constexpr double kConverged_mm = 1e-12;
-
 using Kind = PatchCoefficients::Kind;
 
 void set_shape(const PlanePatch&, PatchCoefficients& c) {
@@ -148,8 +145,8 @@ std::optional<SurfaceHit> polish(const ExactPatch& patch,
                                                  patch.scene_from_patch.translation_mm);
   double move_mm = 0.0;
   // Steps below the rounding of the coordinates cannot get smaller: 1e-12 at 1 m is 5 units.
-  const double tolerance_mm = kConverged_mm * std::max(1.0, 1e-2 * start.norm());
-  for (int i = 0; i < kMaxSteps; ++i) {
+  const double tolerance_mm = kPolished_mm * std::max(1.0, 1e-2 * start.norm());
+  for (int i = 0; i < kMaxPolishSteps; ++i) {
     const Implicit f = evaluate(patch, start + move_mm * direction);
     const double slope = f.gradient.dot(direction);
     const double step_mm = -f.value_mm / slope;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/units.h"
 #include "simulator/geometry/mesh/mesh_edges.h"
 
@@ -15,10 +16,6 @@ namespace {
 
 /// Neighbours that meet at less count as one plane: below what float coordinates resolve.
 constexpr double kFlat_rad = 1e-5;
-
-std::size_t index(std::int32_t i) {
-  return static_cast<std::size_t>(i);
-}
 
 bool stands_for_itself(const TriangleMesh& mesh, std::int32_t triangle) {
   return mesh.patch_of(index(triangle)) < 0;

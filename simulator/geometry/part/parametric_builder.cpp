@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/index.h"
 #include "core/pose.h"
 #include "core/units.h"
 
@@ -14,10 +15,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 }  // namespace
 

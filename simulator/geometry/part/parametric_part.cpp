@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "core/index.h"
 #include "core/units.h"
 #include "simulator/geometry/part/exact_surface.h"
 #include "simulator/geometry/part/parametric_builder.h"
@@ -30,10 +31,6 @@ double edge_for_radius(double radius_mm, double chord_mm) {
 /// Puts the apex on a vertex, so that the bounding box is exact.
 int even(int count) {
   return count + count % 2;
-}
-
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
 }
 
 /// A grid of (num_x + 1) x (num_y + 1) vertices, x fastest.

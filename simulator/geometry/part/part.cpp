@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "core/error.h"
+#include "core/pose.h"
 #include "core/text.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
 #include "simulator/geometry/part/parametric_gear.h"
@@ -241,11 +242,6 @@ void move_part(Part& part, const RigidTransform& target_from_source) {
   for (ExactPatch& patch : part.patches) {
     patch.scene_from_patch = target_from_source * patch.scene_from_patch;
   }
-}
-
-Vector3d vector_of(const std::vector<double>& numbers) {
-  GLINT_CHECK(numbers.size() == 3, "a pose needs three numbers");
-  return {numbers[0], numbers[1], numbers[2]};
 }
 
 /// The largest extent of a parametric shape across its fine side, before anything is built.

@@ -9,16 +9,13 @@
 #include <Eigen/Geometry>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "simulator/geometry/surface/surface_sampling.h"
 
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t index(std::int32_t i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// A point that moves on a surface and the direction it moves in.
 struct Motion {

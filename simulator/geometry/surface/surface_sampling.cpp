@@ -7,16 +7,13 @@
 #include <Eigen/Geometry>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/units.h"
 
 namespace glint {
 namespace {
 
 using Eigen::Vector3d;
-
-std::size_t index(std::int32_t i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// How far an exact patch may lie from its triangles, generously.
 constexpr double kMaxMove_mm = 0.1;

@@ -60,20 +60,16 @@ int control_index(std::string_view key) {
   return index;
 }
 
-double cubic(const double* c, double u) {
-  return c[0] + u * (c[1] + u * (c[2] + u * c[3]));
-}
-
 double cubic_derivative(const double* c, double u) {
   return c[1] + u * (2.0 * c[2] + u * 3.0 * c[3]);
 }
 
 /// A superellipse's half axes and exponent.
-struct Superellipse {
+struct HalfAxes {
   double a, b, e;
 };
 
-Superellipse superellipse_of(const TunnelSettings& s) {
+HalfAxes superellipse_of(const TunnelSettings& s) {
   if (s.shape == Shape::kSemicylinder) {
     return {s.radius_mm, s.radius_mm, 2.0};
   }
@@ -81,7 +77,7 @@ Superellipse superellipse_of(const TunnelSettings& s) {
 }
 
 /// The point of a superellipse in a node's direction, in half axes.
-Vector2d scaled_point(const Superellipse& s, std::size_t node) {
+Vector2d scaled_point(const HalfAxes& s, std::size_t node) {
   const Vector2d along = direction_of(node);
   const double y = std::abs(along.x()) / s.a;
   const double z = along.y() / s.b;
@@ -90,7 +86,7 @@ Vector2d scaled_point(const Superellipse& s, std::size_t node) {
 }
 
 /// Gradient of F = |y / a|^e + |z / b|^e - 1.
-Vector2d gradient_at(const Superellipse& s, const Vector2d& scaled) {
+Vector2d gradient_at(const HalfAxes& s, const Vector2d& scaled) {
   return {std::copysign(s.e / s.a * std::pow(std::abs(scaled.x()), s.e - 1.0), scaled.x()),
           s.e / s.b * std::pow(scaled.y(), s.e - 1.0)};
 }
@@ -168,7 +164,7 @@ ShapeDerivative::ShapeDerivative(const Tunnel& tunnel) : settings_(tunnel.settin
 }
 
 void ShapeDerivative::build_superellipse() {
-  const Superellipse s = superellipse_of(settings_);
+  const HalfAxes s = superellipse_of(settings_);
   for (std::size_t i = 0; i <= kNodes; ++i) {
     normals_.push_back(gradient_at(s, scaled_point(s, i)).normalized());
   }
@@ -299,7 +295,7 @@ void ShapeDerivative::collect_curve(const RayBlock& rays,
 }
 
 double ShapeDerivative::superellipse_speed(std::string_view key, std::size_t node) const {
-  const Superellipse s = superellipse_of(settings_);
+  const HalfAxes s = superellipse_of(settings_);
   const Vector2d scaled = scaled_point(s, node);
   const double size = gradient_at(s, scaled).norm();
   const double y = std::abs(scaled.x());

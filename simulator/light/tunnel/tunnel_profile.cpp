@@ -19,10 +19,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-double cubic(const double* c, double u) {
-  return c[0] + u * (c[1] + u * (c[2] + u * c[3]));
-}
-
 Vector2d point_at(const SplineSegment& segment, double u) {
   return {cubic(segment.y, u), cubic(segment.z, u)};
 }

@@ -25,6 +25,11 @@ std::vector<FlatWall> flat_walls(double distance_mm,
                                  double panel_height_mm,
                                  double base_mm);
 
+/// Of a piece of a spline. @param c  four coefficients, in powers of u
+inline double cubic(const double* c, double u) {
+  return c[0] + u * (c[1] + u * (c[2] + u * c[3]));
+}
+
 /// The clamped uniform cubic B-spline through control points at radii control_mm, at equal angles
 /// from the rim (90 degrees from the vertical) to the top and mirrored; from y < 0 to y > 0.
 /// Source: C. de Boor, "A Practical Guide to Splines" (Boehm's knot insertion to Bezier form).

@@ -115,11 +115,11 @@ Passes place_passes(const Cross& cross) {
 }
 
 /// Where a panel's places lie along a direction: below, above or on both sides of 0.
-struct Reach {
+struct CrossReach {
   float low, high;
 };
 
-Reach reach_of(const Cross& cross, PlaceVector direction) {
+CrossReach reach_of(const Cross& cross, PlaceVector direction) {
   const float middle = dot(direction, cross.middle.point);
   const auto off = [&](const PlaceVector* ends) {
     return maximum(std::fabs(dot(direction, ends[0]) - middle),
@@ -130,9 +130,9 @@ Reach reach_of(const Cross& cross, PlaceVector direction) {
 }
 
 /// Of the metal's normal and of the surface's side, the one that hides more.
-Reach above_horizon(const Cross& cross, const PanelView& view) {
-  const Reach up = reach_of(cross, {0.0F, 0.0F, 1.0F});
-  const Reach side = reach_of(cross, vector_of(view.side));
+CrossReach above_horizon(const Cross& cross, const PanelView& view) {
+  const CrossReach up = reach_of(cross, {0.0F, 0.0F, 1.0F});
+  const CrossReach side = reach_of(cross, vector_of(view.side));
   return {minimum(up.low, side.low), minimum(up.high, side.high)};
 }
 
@@ -167,7 +167,7 @@ PanelSmoothness smoothness_of(const LocalEmitter& emitter,
                               const PanelView& view,
                               const Panel& panel) {
   const Cross cross = cross_of(emitter, panel);
-  const Reach above = above_horizon(cross, view);
+  const CrossReach above = above_horizon(cross, view);
   if (above.high <= 0.0F) {
     return {};
   }

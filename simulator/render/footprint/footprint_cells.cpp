@@ -29,8 +29,6 @@
 namespace glint {
 namespace {
 
-namespace kernels = cut_kernels;
-
 /// Some pixels and their first corners in the grid of corner rays.
 struct Places {
   std::vector<std::int32_t> pixels, corners;
@@ -94,7 +92,7 @@ class CellSummer {
   CellSum between_ends_;
   bool wants_mean_;
   const Spans* near_;
-  kernels::CutLimits limits_;
+  cut_kernels::CutLimits limits_;
   Places unrefined_;
   Places occluded_;                    ///< not refined, hidden in part
   Places far_;                         ///< refined, far from where a mean is wanted
@@ -186,12 +184,12 @@ void CellSummer::add_far() {
   const ImageF& coverage = footprints_.rays().coverage;
   const auto mean = static_cast<float>(inside_positions_.dark +
                                        inside_positions_.bright * inside_positions_.duty);
-  std::array<float, kernels::kBatch> gain = {};
-  std::array<unsigned char, kernels::kBatch> is_clear = {};
+  std::array<float, cut_kernels::kBatch> gain = {};
+  std::array<unsigned char, cut_kernels::kBatch> is_clear = {};
   const std::size_t num_near = refined_.size();
-  for (std::size_t first = 0; first < far_.size(); first += kernels::kBatch) {
+  for (std::size_t first = 0; first < far_.size(); first += cut_kernels::kBatch) {
     load_pixels(far_, first);
-    kernels::mean_gains(batch_.corners(), limits_, gain.data(), is_clear.data());
+    cut_kernels::mean_gains(batch_.corners(), limits_, gain.data(), is_clear.data());
     for (std::size_t i = 0; i < batch_.size(); ++i) {
       const std::int32_t pixel = far_.pixels[first + i];
       if (is_clear[i] == 0) {
@@ -210,7 +208,7 @@ void CellSummer::add_far() {
 
 /// Pixels that one straight boundary of the light cuts are cut together, others one by one.
 void CellSummer::add_unrefined() {
-  for (std::size_t first = 0; first < unrefined_.size(); first += kernels::kBatch) {
+  for (std::size_t first = 0; first < unrefined_.size(); first += cut_kernels::kBatch) {
     load_pixels(unrefined_, first);
     batch_.find_cuts(limits_);
     simple_.clear();
@@ -232,7 +230,7 @@ void CellSummer::add_simple(const std::int32_t* pixels) {
   const ScanPositions& p = inside_positions_;
   const std::size_t sources = p.shift_periods.size();
   batch_.cut(p);
-  std::array<float, kernels::kBatch> radiance = {};
+  std::array<float, cut_kernels::kBatch> radiance = {};
   of_sources_.resize(simple_.size() * sources);
   if (!positions_.is_dark_even) {
     add_shining(pixels);
@@ -250,8 +248,8 @@ void CellSummer::add_simple(const std::int32_t* pixels) {
 /// The same where the light of dark stripes depends on the pixel.
 void CellSummer::add_shining(const std::int32_t* pixels) {
   const std::size_t sources = inside_positions_.shift_periods.size();
-  std::array<float, kernels::kBatch> radiance = {};
-  std::array<float, kernels::kBatch> lit = {};
+  std::array<float, cut_kernels::kBatch> radiance = {};
+  std::array<float, cut_kernels::kBatch> lit = {};
   ScanPositions all_bright = inside_positions_;
   all_bright.shine(inside_positions_, 1.0);
   batch_.integrate(all_bright, 0, lit.data());

@@ -10,8 +10,6 @@
 
 namespace glint {
 
-namespace kernels = cut_kernels;
-
 namespace {
 
 std::size_t corners_of_pixel(const RefinedGroup& group) {
@@ -47,11 +45,11 @@ std::array<double, 2> RefinedCells::turn_to(std::size_t index) {
   for (std::size_t i = 0; i < corners && !hits_.cosine.empty(); ++i) {
     gain_[i] *= hits_.cosine[first + i];
   }
-  places_ = kernels::find_limits(hits_.x_mm.data() + first,
-                                 hits_.y_mm.data() + first,
-                                 hits_.margin_mm.data() + first,
-                                 pixel_.weight,
-                                 static_cast<int>(corners));
+  places_ = cut_kernels::find_limits(hits_.x_mm.data() + first,
+                                     hits_.y_mm.data() + first,
+                                     hits_.margin_mm.data() + first,
+                                     pixel_.weight,
+                                     static_cast<int>(corners));
   return {static_cast<double>(places_.x_low_mm), static_cast<double>(places_.x_high_mm)};
 }
 
@@ -100,7 +98,7 @@ void RefinedCells::add_to(CellSum& sum, const VisiblePart& visible) {
   add_corners(sum, &visible);
 }
 
-kernels::CellGrid RefinedCells::cells(const unsigned char* is_wanted) const {
+cut_kernels::CellGrid RefinedCells::cells(const unsigned char* is_wanted) const {
   return {.stripes_mm = hits_.stripes_mm().data() + pixel_.first,
           .gain = gain_.data(),
           .is_smooth = is_wanted,
@@ -113,14 +111,14 @@ const unsigned char* RefinedCells::find_cut_cells(CellSum& sum) {
     return pixel_.is_smooth;
   }
   const int n = pixel_.cells_per_axis;
-  kernels::sort_cells({.x_mm = hits_.x_mm.data() + pixel_.first,
-                       .y_mm = hits_.y_mm.data() + pixel_.first,
-                       .margin_mm = hits_.margin_mm.data() + pixel_.first},
-                      pixel_.is_smooth,
-                      n,
-                      limits_,
-                      is_lit_.data(),
-                      is_cut_.data());
+  cut_kernels::sort_cells({.x_mm = hits_.x_mm.data() + pixel_.first,
+                           .y_mm = hits_.y_mm.data() + pixel_.first,
+                           .margin_mm = hits_.margin_mm.data() + pixel_.first},
+                          pixel_.is_smooth,
+                          n,
+                          limits_,
+                          is_lit_.data(),
+                          is_cut_.data());
   const bool has_lit = std::memchr(is_lit_.data(), 1, static_cast<std::size_t>(n * n)) != nullptr;
   const bool is_added = !has_lit || sum.add_lit_cells(cells(is_lit_.data()));
   return is_added ? is_cut_.data() : pixel_.is_smooth;
@@ -138,7 +136,7 @@ void RefinedCells::add_smooth_cells(CellSum& sum) {
     }
   }
   const double share = 1.0 / (n * n);
-  for (std::size_t begin = 0; begin < cell_corners_.size(); begin += kernels::kBatch) {
+  for (std::size_t begin = 0; begin < cell_corners_.size(); begin += cut_kernels::kBatch) {
     const auto corners = std::span(cell_corners_).subspan(begin);
     batch_.load(hits_, pixel_.weight, pixel_.first, n + 1, corners);
     if (positions_.is_even) {
@@ -160,7 +158,7 @@ void RefinedCells::add_smooth_cells(CellSum& sum) {
 void RefinedCells::add_cut_cells(double share, CellSum& sum) {
   const ScanPositions& p = sum.positions();
   batch_.cut(p);
-  std::array<float, kernels::kBatch> radiance = {};
+  std::array<float, cut_kernels::kBatch> radiance = {};
   for (std::size_t k = 0; k < p.shift_periods.size(); ++k) {
     batch_.integrate(p, k, radiance.data());
     sum.add_radiance(k, share * static_cast<double>(batch_.sum_simple(radiance.data())));
@@ -173,9 +171,9 @@ void RefinedCells::add_corners(CellSum& sum, const VisiblePart* visible) {
   if (std::memchr(pixel_.is_smooth, 0, n * n) == nullptr) {
     return;
   }
-  static_assert(kCellCounts.back() <= kernels::kMaxCells);
+  static_assert(kCellCounts.back() <= cut_kernels::kMaxCells);
   weight_.resize(gain_.size());
-  kernels::corner_weights(pixel_.is_smooth, pixel_.cells_per_axis, weight_.data());
+  cut_kernels::corner_weights(pixel_.is_smooth, pixel_.cells_per_axis, weight_.data());
   for (std::size_t i = 0; i < weight_.size(); ++i) {
     const float gain = weight_[i] * gain_[i];
     if (gain > 0.0F) {

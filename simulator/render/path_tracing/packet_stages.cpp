@@ -18,8 +18,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kLanes = kPacketSize;
-
 Vector3d vector_at(const VectorLanes& lanes, std::size_t lane) {
   return {static_cast<double>(lanes.x[lane]),
           static_cast<double>(lanes.y[lane]),
@@ -64,7 +62,7 @@ Hit hit_at(const HitPacket& hits, std::size_t lane) {
 /// Gathers planes and corner normals.
 void load(const PathTask& task, const HitPacket& hits, TriangleLanes& to) {
   const TriangleMesh& mesh = task.scene.part.mesh;
-  for (std::size_t i = 0; i < kLanes; ++i) {
+  for (std::size_t i = 0; i < kPacketLanes; ++i) {
     if (hits.triangle[i] < 0) {
       set_vector(Vector3d::Zero(), i, to.face);
       to.offset_mm[i] = 0.0F;
@@ -81,7 +79,7 @@ void load(const PathTask& task, const HitPacket& hits, TriangleLanes& to) {
 }
 
 void set_labels(const PhysicalScene& scene, const HitPacket& hits, SurfaceLanes& surface) {
-  for (std::size_t i = 0; i < kLanes; ++i) {
+  for (std::size_t i = 0; i < kPacketLanes; ++i) {
     surface.reflectance[i] = 1.0F;
     surface.defect[i] = -1;
     if (hits.triangle[i] >= 0 && !scene.face_labels.empty()) {
@@ -98,7 +96,7 @@ void PacketStages::intersect(const PathPacket& paths, SurfaceLanes& surface) con
     intersect_triangles(paths, surface);
   }
   const bool has_others = !task_.curved_triangles.empty() || !task_.scene.detail.empty();
-  for (std::size_t i = 0; i < kLanes && (has_others || !task_.intersects_by_kernel); ++i) {
+  for (std::size_t i = 0; i < kPacketLanes && (has_others || !task_.intersects_by_kernel); ++i) {
     if (paths.hit.triangle[i] >= 0 &&
         (!task_.intersects_by_kernel || needs_double(paths, surface, i))) {
       intersect_lane(paths, i, surface);
@@ -166,7 +164,7 @@ void PacketStages::set_open(const PathPacket& paths, SurfaceLanes& surface) cons
   if (task_.unoccluded_faces.empty()) {
     return;
   }
-  for (std::size_t i = 0; i < kLanes; ++i) {
+  for (std::size_t i = 0; i < kPacketLanes; ++i) {
     const std::int32_t triangle = paths.hit.triangle[i];
     const std::int32_t side =
         triangle >= 0 ? task_.unoccluded_faces.of_triangle[static_cast<std::size_t>(triangle)] : -1;
@@ -183,7 +181,7 @@ void PacketStages::set_open(const PathPacket& paths, SurfaceLanes& surface) cons
 void PacketStages::hit_lights(const PathPacket& paths,
                               bool is_camera,
                               LightHitLanes& lights) const {
-  for (std::size_t i = 0; i < kLanes; ++i) {
+  for (std::size_t i = 0; i < kPacketLanes; ++i) {
     lights.is_hit[i] = 0;
     if (paths.ray.valid[i] != 0) {
       hit_light(paths, i, is_camera, lights);
@@ -218,7 +216,7 @@ bool PacketStages::ask_lights(const PathPacket& paths,
   if (task_.is_mirror) {
     return false;
   }
-  for (std::size_t i = 0; i < kLanes; ++i) {
+  for (std::size_t i = 0; i < kPacketLanes; ++i) {
     lights.density[i] = 0.0F;
     if (paths.ray.valid[i] != 0) {
       ask_light(surface, random, i, lights);
@@ -264,7 +262,7 @@ void PacketStages::reflect(const PathPacket& paths,
     return;
   }
   const SurfaceMaterial& material = task_.scene.material;
-  for (std::size_t i = 0; i < kLanes; ++i) {
+  for (std::size_t i = 0; i < kPacketLanes; ++i) {
     if (paths.ray.valid[i] == 0) {
       continue;
     }
@@ -288,7 +286,7 @@ void PacketStages::tint(const PathPacket& paths,
                         ReflectionLanes& reflection,
                         LeavingLanes& leaving) const {
   const SurfaceMaterial& material = task_.scene.material;
-  for (std::size_t i = 0; i < kLanes && material.has_pattern(); ++i) {
+  for (std::size_t i = 0; i < kPacketLanes && material.has_pattern(); ++i) {
     if (paths.ray.valid[i] == 0) {
       continue;
     }

@@ -3,11 +3,15 @@
 // Sixteen paths and what is known of them at a step, one array per component, in float.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "simulator/geometry/bvh/ray_packet.h"
 
 namespace glint {
+
+/// Rays of a packet, for loops over arrays.
+inline constexpr std::size_t kPacketLanes = kPacketSize;
 
 struct alignas(64) VectorLanes {
   float x[kPacketSize];

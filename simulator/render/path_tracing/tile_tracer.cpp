@@ -22,7 +22,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kLanes = kPacketSize;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// A light is not hidden by what lies this share of its distance in front of it: rounding to float.
@@ -45,7 +44,7 @@ void copy_ray(const RayPacket& from, std::size_t lane, RayPacket& to, std::size_
 }  // namespace
 
 PathPacket& TileTracer::Wave::next() {
-  const std::size_t at = paths++ / kLanes;
+  const std::size_t at = paths++ / kPacketLanes;
   if (at == packets.size()) {
     packets.emplace_back();
   }
@@ -53,7 +52,7 @@ PathPacket& TileTracer::Wave::next() {
 }
 
 void TileTracer::Wave::append(const PathPacket& from, std::size_t lane) {
-  const std::size_t to = paths % kLanes;
+  const std::size_t to = paths % kPacketLanes;
   PathPacket& packet = next();
   copy_ray(from.ray, lane, packet.ray, to);
   packet.hit.t_mm[to] = from.hit.t_mm[lane];
@@ -72,15 +71,15 @@ void TileTracer::Wave::append(const PathPacket& from, std::size_t lane) {
 
 void TileTracer::Wave::append(const PathPacket& from) {
   PathPacket& packet = next();
-  paths += kLanes - 1;
+  paths += kPacketLanes - 1;
   if (&packet != &from) {
     packet = from;
   }
 }
 
 void TileTracer::Wave::finish() {
-  for (std::size_t lane = paths % kLanes; lane != 0 && lane < kLanes; ++lane) {
-    PathPacket& packet = packets[paths / kLanes];
+  for (std::size_t lane = paths % kPacketLanes; lane != 0 && lane < kPacketLanes; ++lane) {
+    PathPacket& packet = packets[paths / kPacketLanes];
     packet.ray.valid[lane] = 0;
     packet.hit.triangle[lane] = -1;
   }
@@ -132,9 +131,9 @@ void TileTracer::start(const Tile& tile, int first, int count) {
     for (auto& channel : packet.weight.c) {
       std::ranges::fill(channel, 1.0F);
     }
-    const std::size_t lanes = std::min(kLanes, wave_.paths - kLanes * p);
+    const std::size_t lanes = std::min(kPacketLanes, wave_.paths - kPacketLanes * p);
     for (std::size_t i = 0; i < lanes; ++i) {
-      const std::size_t path = kLanes * p + i;
+      const std::size_t path = kPacketLanes * p + i;
       packet.seed[i] = seeds_[pixels_[path]];
       packet.index[i] = static_cast<std::uint32_t>(first) +
                         static_cast<std::uint32_t>(path) % static_cast<std::uint32_t>(count);
@@ -174,7 +173,7 @@ void TileTracer::start_pixels(const Tile& tile, int count) {
 void TileTracer::aim_cameras(const Tile& tile) {
   for (std::size_t p = 0; p < wave_.num_packets(); ++p) {
     PathPacket& packet = wave_.packets[p];
-    const std::size_t lanes = std::min(kLanes, wave_.paths - kLanes * p);
+    const std::size_t lanes = std::min(kPacketLanes, wave_.paths - kPacketLanes * p);
     if (!task_.camera_numbers) {
       for (std::size_t i = 0; i < lanes; ++i) {
         aim_camera(tile, packet, i);
@@ -225,11 +224,12 @@ void TileTracer::keep_hits(Wave& wave) {
   for (std::size_t p = 0; p < num_packets; ++p) {
     const PathPacket& packet = wave.packets[p];
     const auto& triangles = packet.hit.triangle;
-    if (wave.paths % kLanes == 0 && std::ranges::all_of(triangles, [](auto t) { return t >= 0; })) {
+    if (wave.paths % kPacketLanes == 0 &&
+        std::ranges::all_of(triangles, [](auto t) { return t >= 0; })) {
       wave.append(packet);
       continue;
     }
-    for (std::size_t i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < kPacketLanes; ++i) {
       if (triangles[i] >= 0) {
         wave.append(packet, i);
       }
@@ -246,7 +246,7 @@ void TileTracer::look_at_part() {
     const PathPacket& packet = wave_.packets[p];
     SurfaceLanes& surface = surfaces_[p];
     stages_.intersect(packet, surface);
-    for (std::size_t i = 0; i < kLanes && packet.hit.triangle[i] >= 0; ++i) {
+    for (std::size_t i = 0; i < kPacketLanes && packet.hit.triangle[i] >= 0; ++i) {
       tile_sums_.add_surface(pixels_[packet.path[i]], surface, packet, axis, i);
     }
   }
@@ -257,7 +257,7 @@ void TileTracer::look_at_lights(PathPacket& packet, bool is_camera) {
   LightHitLanes lights;
   stages_.hit_lights(packet, is_camera, lights);
   arrive16(packet, !is_camera, lights, arriving_);
-  for (std::size_t i = 0; i < kLanes; ++i) {
+  for (std::size_t i = 0; i < kPacketLanes; ++i) {
     if (arriving_.is_bright[i] != 0) {
       add_light(
           packet.path[i],
@@ -292,7 +292,7 @@ void TileTracer::reflect_all(int reflection) {
   counts_.bounce += static_cast<std::int64_t>(next_.paths);
   for (std::size_t p = 0; p < next_.num_packets(); ++p) {
     look_at_lights(next_.packets[p], false);
-    for (std::size_t i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < kPacketLanes; ++i) {
       PathPacket& packet = next_.packets[p];
       packet.hit.triangle[i] = packet.ray.valid[i] != 0 ? packet.hit.triangle[i] : -1;
     }
@@ -312,7 +312,7 @@ void TileTracer::reflect(PathPacket& packet, SurfaceLanes& surface, int reflecti
     random_pairs16(packet.seed, packet.index, pair + 2, random.choice, random.roulette);
   }
   for (auto& channel : packet.weight.c) {
-    for (std::size_t i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < kPacketLanes; ++i) {
       channel[i] *= surface.reflectance[i];
     }
   }
@@ -331,7 +331,7 @@ void TileTracer::reflect(PathPacket& packet, SurfaceLanes& surface, int reflecti
 
 /// Light of drawn directions: where nothing can be in the way at once, else after a shadow ray.
 void TileTracer::ask_for(const PathPacket& packet, const SurfaceLanes& surface) {
-  for (std::size_t i = 0; i < kLanes; ++i) {
+  for (std::size_t i = 0; i < kPacketLanes; ++i) {
     if (arriving_.is_bright[i] == 0) {
       continue;
     }
@@ -341,8 +341,8 @@ void TileTracer::ask_for(const PathPacket& packet, const SurfaceLanes& surface) 
       add_light(packet.path[i], light_.group[i], radiance);
       continue;
     }
-    const std::size_t at = pending_.size() / kLanes;
-    const std::size_t lane = pending_.size() % kLanes;
+    const std::size_t at = pending_.size() / kPacketLanes;
+    const std::size_t lane = pending_.size() % kPacketLanes;
     if (at == shadows_.size()) {
       shadows_.emplace_back();
     }
@@ -366,7 +366,7 @@ void TileTracer::ask_for(const PathPacket& packet, const SurfaceLanes& surface) 
 /// dark.
 void TileTracer::go_on(PathPacket& packet, const std::int32_t* is_open) {
   bool has_open = false;
-  for (std::size_t i = 0; i < kLanes; ++i) {
+  for (std::size_t i = 0; i < kPacketLanes; ++i) {
     packet.hit.triangle[i] = -1;
     if (packet.ray.valid[i] == 0) {
       continue;
@@ -385,14 +385,14 @@ void TileTracer::go_on(PathPacket& packet, const std::int32_t* is_open) {
 
 void TileTracer::trace_shadows() {
   const auto begin = std::chrono::steady_clock::now();
-  const std::size_t num_packets = (pending_.size() + kLanes - 1) / kLanes;
+  const std::size_t num_packets = (pending_.size() + kPacketLanes - 1) / kPacketLanes;
   for (std::size_t p = 0; p < num_packets; ++p) {
     task_.scene.bvh.occluded16(shadows_[p], Coherence::kIncoherent);
   }
   counts_.shadow_s += seconds_since(begin);
   counts_.shadow += static_cast<std::int64_t>(pending_.size());
   for (std::size_t i = 0; i < pending_.size(); ++i) {
-    if (shadows_[i / kLanes].valid[i % kLanes] != 0) {
+    if (shadows_[i / kPacketLanes].valid[i % kPacketLanes] != 0) {
       add_light(pending_[i].path, pending_[i].group, pending_[i].radiance);
     }
   }

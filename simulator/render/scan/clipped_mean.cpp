@@ -166,17 +166,6 @@ double darkest_of(const StripeSettings& stripes, double w) {
   return stripes.gain * (stripes.dark + (1.0 - stripes.dark) * share);
 }
 
-struct TablePlace {
-  std::size_t interval = 0;
-  double s = 0.0;
-};
-
-TablePlace place_of(double w) {
-  const double at = std::clamp(w / ClippedMean::kWidest, 0.0, 1.0) * ClippedMean::kIntervals;
-  const auto i = std::min<std::size_t>(ClippedMean::kIntervals - 1, static_cast<std::size_t>(at));
-  return {.interval = i, .s = at - static_cast<double>(i)};
-}
-
 }  // namespace
 
 GreyResponse grey_response(const SensorSettings& sensor, double radiance) {
@@ -300,8 +289,14 @@ std::vector<float> ClippedMean::pieces_through(const std::vector<double>& f) {
   return coefficients;
 }
 
+ClippedMean::Place ClippedMean::place_of(double w) {
+  const double at = std::clamp(w / kWidest, 0.0, 1.0) * kIntervals;
+  const auto i = std::min<std::size_t>(kIntervals - 1, static_cast<std::size_t>(at));
+  return {.interval = i, .s = at - static_cast<double>(i)};
+}
+
 double ClippedMean::mean(double w) const {
-  const TablePlace at = place_of(w);
+  const Place at = place_of(w);
   const float* c = coefficients_.data() + 4 * at.interval;
   const auto term = [&](int i) { return static_cast<double>(c[i]); };
   return term(0) + at.s * (term(1) + at.s * (term(2) + at.s * term(3)));
@@ -311,14 +306,14 @@ double ClippedMean::slope(double w) const {
   if (w >= kWidest) {
     return 0.0;
   }
-  const TablePlace at = place_of(w);
+  const Place at = place_of(w);
   const float* c = coefficients_.data() + 4 * at.interval;
   const auto term = [&](int i) { return static_cast<double>(c[i]); };
   return (term(1) + at.s * (2.0 * term(2) + at.s * 3.0 * term(3))) * kIntervals / kWidest;
 }
 
 double ClippedMean::deviation(double w) const {
-  const TablePlace at = place_of(w);
+  const Place at = place_of(w);
   return (1.0 - at.s) * static_cast<double>(deviations_[at.interval]) +
          at.s * static_cast<double>(deviations_[at.interval + 1]);
 }

@@ -49,6 +49,14 @@ class ClippedMean {
   static constexpr int kIntervals = 128;
   static constexpr double kWidest = 0.8;  ///< beyond, the stripes have blurred to their mean
 
+  struct Place {
+    std::size_t interval = 0;
+    double s = 0.0;  ///< how far into it, in [0, 1]
+  };
+
+  /// Where a width lies among the intervals.
+  static Place place_of(double w);
+
   ClippedMean(const SensorSettings& sensor, const StripeSettings& stripes);
 
   double mean(double w) const;

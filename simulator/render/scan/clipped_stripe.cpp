@@ -40,8 +40,8 @@ double integral_of_share(double x) {
 
 /// From this blur on a mean is taken from a series: it has at most 14 terms then, and a stripe
 /// summed from its edges ever more.
-constexpr double kSeriesFrom = 0.1;
-constexpr double kSmallestTerm = 1e-17;
+constexpr double kExactSeriesFrom = 0.1;
+constexpr double kSmallestExactTerm = 1e-17;
 
 /// Sum over the stripes that reach a phase within [duty / 2, duty / 2 + 1 / 2] of f at the rising
 /// edge less f at the falling one, as functions of the distance in w.
@@ -177,8 +177,8 @@ double mean_of(const Wave& wave, const BlurredStripe& stripe, double slope, doub
 }  // namespace
 
 double clipped_mean_of(const BlurredStripe& stripe, double slope, double offset) {
-  if (stripe.w >= kSeriesFrom) {
-    return mean_of(StripeSeries(stripe, kSmallestTerm), stripe, slope, offset);
+  if (stripe.w >= kExactSeriesFrom) {
+    return mean_of(StripeSeries(stripe, kSmallestExactTerm), stripe, slope, offset);
   }
   return mean_of(StripeEdges{stripe}, stripe, slope, offset);
 }

@@ -22,7 +22,7 @@ namespace {
 namespace kernels = footprint_kernels;
 
 /// Frames that are rendered together: footprints are read once for all of them.
-constexpr int kFramesAtOnce = 8;
+constexpr int kTileFrames = 8;
 
 /// Gaps between rendered pixels that are not worth another start.
 constexpr int kGapTolerance_px = 8;
@@ -65,7 +65,7 @@ std::shared_ptr<const PixelCells> sum_frames(const Footprints& footprints,
   const int total = footprints.positions().frames();
   // Fewer at once where few of their pixels are rendered: pictures are kept as a whole.
   const double share = share_of(rendered, width, height);
-  const int at_once = std::clamp(static_cast<int>(2.0 + kFramesAtOnce * share), 1, kFramesAtOnce);
+  const int at_once = std::clamp(static_cast<int>(2.0 + kTileFrames * share), 1, kTileFrames);
   if (share <= kSmallShare || count_of(rendered) <= kFewPixels) {
     frames.keep_sources();
   }

@@ -45,9 +45,9 @@ GreyResponse rounded_response(const SensorSettings& settings, double radiance) {
 }
 
 /// rounded_response() at equal steps of radiance, straight between them.
-class ResponseTable {
+class RoundedResponses {
  public:
-  explicit ResponseTable(const SensorSettings& settings) {
+  explicit RoundedResponses(const SensorSettings& settings) {
     for (int i = 0; i <= kSteps; ++i) {
       const GreyResponse grey = rounded_response(settings, kMaxRadiance * i / kSteps);
       mean_.push_back(static_cast<float>(grey.mean));
@@ -86,7 +86,7 @@ ExpectedScan expected_scan(const Footprints& footprints, const SensorSettings& s
     return {.aspect = scan_integrated(footprints, Sensor(settings, width, height)).aspect,
             .deviation = ImageF(width, height)};
   }
-  const ResponseTable table(settings);
+  const RoundedResponses table(settings);
   ExpectedScan scan = {.aspect = ImageF(width, height), .deviation = ImageF(width, height)};
   scan_integrated(footprints,
                   Sensor(radiance_meter(settings), width, height),

@@ -18,17 +18,6 @@ namespace kernels = footprint_kernels;
 
 namespace {
 
-struct WidthPlace {
-  std::size_t piece = 0;
-  double s = 0.0;  ///< how far into it, in pieces
-};
-
-WidthPlace place_of(double w) {
-  const double at = std::clamp(w / ClippedMean::kWidest, 0.0, 1.0) * ClippedMean::kIntervals;
-  const auto i = std::min<std::size_t>(ClippedMean::kIntervals - 1, static_cast<std::size_t>(at));
-  return {.piece = i, .s = at - static_cast<double>(i)};
-}
-
 /// Catmull and Rom's cubic through values at -1, 0, 1 and 2.
 template <class Number>
 std::array<Number, 4> cubic_weights(Number t) {
@@ -109,11 +98,11 @@ ShiningMean::Value ShiningMean::value_of(const Pieces& pieces,
                                          double w,
                                          const DarkStencil& stencil) const {
   constexpr double kPerUnit = ClippedMean::kIntervals / ClippedMean::kWidest;
-  const WidthPlace at = place_of(w);
+  const ClippedMean::Place at = ClippedMean::place_of(w);
   const auto first = static_cast<std::size_t>(stencil.first - first_level_);
   Value sum;
   for (std::size_t k = 0; k < 4; ++k) {
-    const float* piece = pieces[first + k].data() + 4 * at.piece;
+    const float* piece = pieces[first + k].data() + 4 * at.interval;
     const std::array<double, 4> c = {piece[0], piece[1], piece[2], piece[3]};
     const double value = c[0] + at.s * (c[1] + at.s * (c[2] + at.s * c[3]));
     sum.value += stencil.weight[k] * value;
@@ -212,7 +201,7 @@ void ShiningMean::look_up_each(const unsigned char* mask,
 }
 
 bool ShiningMean::is_saturated(double w, double dark) const {
-  return dark >= saturated_from_[place_of(w).piece];
+  return dark >= saturated_from_[ClippedMean::place_of(w).interval];
 }
 
 }  // namespace glint

@@ -13,7 +13,7 @@ namespace glint::stability {
 namespace {
 
 using Eigen::Vector3d;
-using Shape = PartSettings::Shape;
+using PartShape = PartSettings::Shape;
 
 void require(bool is_met, const char* key, const char* what) {
   if (!is_met) {
@@ -63,16 +63,17 @@ ReferencePart part_of(const SceneSettings& scene) {
   ReferencePart part;
   part.position_mm = vector3(s.position_mm);
   require(vector3(s.rotation_rad).isZero(), "part.rotation_deg", "turns the part");
-  if (s.shape == Shape::kStrip || s.shape == Shape::kPlate) {
-    set_slab(s, s.shape == Shape::kStrip, part);
-  } else if (s.shape == Shape::kSphereCap) {
+  if (s.shape == PartShape::kStrip || s.shape == PartShape::kPlate) {
+    set_slab(s, s.shape == PartShape::kStrip, part);
+  } else if (s.shape == PartShape::kSphereCap) {
     part.shape = ReferencePart::Shape::kSphere;
     part.radius_mm = s.radius_mm;
     const double height_mm = std::min(s.height_mm, 2.0 * s.radius_mm);
     part.centre_z_mm = 0.5 * height_mm - s.radius_mm;
     part.base_z_mm = -0.5 * height_mm;
   } else {
-    require(s.shape == Shape::kCylinder, "part.shape", "is not strip, plate, sphere or cylinder");
+    require(
+        s.shape == PartShape::kCylinder, "part.shape", "is not strip, plate, sphere or cylinder");
     part.shape = ReferencePart::Shape::kCylinder;
     part.radius_mm = s.radius_mm;
     part.half_mm = {0.5 * s.length_mm, s.radius_mm};

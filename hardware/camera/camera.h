@@ -120,8 +120,9 @@ class Camera {
   virtual void start() = 0;
 
   /// Triggers and waits for that trigger's picture: exposure + 1 s for each try, at most 3 retakes
-  /// of an incomplete or absent one. A camera that does not answer is lost exposure + 2 s after the
-  /// trigger at the latest. Never throws for what a camera or a cable does.
+  /// of an incomplete or absent one. A camera that does not answer is lost within exposure + 2 s of
+  /// the trigger, or of the new stream that is begun before it when the last picture was not
+  /// complete. Never throws for what a camera or a cable does.
   virtual Frame capture() = 0;
 
   virtual void stop() = 0;

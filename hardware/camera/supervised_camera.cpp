@@ -91,9 +91,9 @@ Taken take(CameraDriver& driver, TriggerIds& ids, milliseconds wanted, Clock::ti
 }  // namespace
 
 template <class Function>
-auto SupervisedCamera::on_worker(Function function, const char* doing) {
+auto SupervisedCamera::on_worker(Function function, Clock::time_point until, const char* doing) {
   try {
-    auto result = session_->worker->call(std::move(function), Clock::now() + deadlines_.settings);
+    auto result = session_->worker->call(std::move(function), until);
     if (result) {
       if constexpr (!std::is_same_v<decltype(result), bool>) {
         return std::move(*result);
@@ -117,6 +117,7 @@ SupervisedCamera::SupervisedCamera(OpenDriver open, const CameraDeadlines& deadl
   }
   state_ = CameraState::kReady;
   settings_.description = on_worker([session = session_] { return session->driver->describe(); },
+                                    settings_end(),
                                     "is asked what it is");
 }
 
@@ -136,34 +137,49 @@ void SupervisedCamera::configure(const CameraConfiguration& configuration) {
   GLINT_CHECK(state_ == CameraState::kReady, "a camera is configured when it is ready");
   settings_ = on_worker(
       [session = session_, configuration] { return session->driver->configure(configuration); },
+      settings_end(),
       "is configured");
   configuration_ = configuration;
   is_configured_ = true;
 }
 
 void SupervisedCamera::start() {
+  start_by(settings_end());
+}
+
+void SupervisedCamera::start_by(Clock::time_point until) {
   GLINT_CHECK(state_ == CameraState::kReady && is_configured_, "only a configured camera starts");
   on_worker(
       [session = session_] {
         session->ids = {};
         session->driver->start();
       },
+      until,
       "starts");
   needs_new_stream_ = false;
   state_ = wanted_ = CameraState::kAcquiring;
 }
 
 void SupervisedCamera::stop() {
+  stop_by(settings_end());
+}
+
+void SupervisedCamera::stop_by(Clock::time_point until) {
   if (state_ != CameraState::kAcquiring) {
     return;
   }
   wanted_ = CameraState::kReady;
-  on_worker([session = session_] { session->driver->stop(); }, "stops");
+  on_worker([session = session_] { session->driver->stop(); }, until, "stops");
   state_ = CameraState::kReady;
 }
 
 milliseconds SupervisedCamera::exposure_time() const {
   return milliseconds(static_cast<std::int64_t>(settings_.exposure_us / 1000.0) + 1);
+}
+
+/// After which a camera that has said nothing is lost.
+milliseconds SupervisedCamera::longest_silence() const {
+  return exposure_time() + deadlines_.frame + deadlines_.answer;
 }
 
 Frame SupervisedCamera::frame_of(FrameStatus status, std::string what) const {
@@ -191,8 +207,7 @@ bool SupervisedCamera::answers(Clock::time_point until) {
 }
 
 Frame SupervisedCamera::capture_once() {
-  const auto begin = Clock::now();
-  const auto latest = begin + exposure_time() + deadlines_.frame + deadlines_.answer;
+  const auto latest = Clock::now() + longest_silence();
   const milliseconds wanted = exposure_time() + deadlines_.frame;
   std::optional<Taken> taken = session_->worker->call(
       [session = session_, wanted, last = latest - milliseconds(50)] {
@@ -217,6 +232,21 @@ Frame SupervisedCamera::capture_once() {
   return frame;
 }
 
+/// Stops and starts, in no more time than a picture may take. @return false: the camera is lost,
+/// and the frame says so
+bool SupervisedCamera::renew_stream(Frame& frame) {
+  const auto until = Clock::now() + longest_silence();
+  try {
+    stop_by(until);
+    start_by(until);
+    return true;
+  } catch (const Error& error) {
+    wanted_ = CameraState::kAcquiring;
+    frame = frame_of(FrameStatus::kLost, error.what());
+    return false;
+  }
+}
+
 // The first picture that does not come may be late, and is then known by its id. When a second one
 // does not come either, the camera may have missed a trigger and ids may be off by one: a new
 // stream counts anew, and nothing of the old one can get into it. A retake that is refused found
@@ -230,15 +260,8 @@ Frame SupervisedCamera::capture() {
   int late_frames = 0;
   int timeouts = 0;
   for (int retake = 0; retake <= kMostRetakes; ++retake) {
-    if (needs_new_stream_) {
-      try {
-        stop();
-        start();
-      } catch (const IoError& error) {
-        wanted_ = CameraState::kAcquiring;
-        frame = frame_of(FrameStatus::kLost, error.what());
-        break;
-      }
+    if (needs_new_stream_ && !renew_stream(frame)) {
+      break;
     }
     frame = capture_once();
     frame.retakes = retake;

@@ -58,12 +58,19 @@ class SupervisedCamera final : public Camera {
 
   std::shared_ptr<Session> opened(Clock::time_point until) const;
   std::chrono::milliseconds exposure_time() const;
+  std::chrono::milliseconds longest_silence() const;
   Frame capture_once();
+  void start_by(Clock::time_point until);
+  void stop_by(Clock::time_point until);
+  bool renew_stream(Frame& frame);
   bool answers(Clock::time_point until);
   void lose();
   /// @throws IoError when it does not come back in time; the camera is lost then
   template <class Function>
-  auto on_worker(Function function, const char* doing);
+  auto on_worker(Function function, Clock::time_point until, const char* doing);
+
+  Clock::time_point settings_end() const { return Clock::now() + deadlines_.settings; }
+
   Frame frame_of(FrameStatus status, std::string what) const;
 
   OpenDriver open_;

@@ -5,139 +5,17 @@
 
 #include <gmock/gmock.h>
 
-#include <deque>
-#include <mutex>
 #include <thread>
+
+#include "core/wall_clock.h"
+#include "tests/hardware/camera/scripted_driver.h"
 
 namespace glint {
 namespace {
 
+using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 using testing::HasSubstr;
-
-/// What a trigger leads to.
-struct Step {
-  enum class Kind { kWhole, kIncomplete, kNothing, kMissed, kHangs, kRefused, kWithLate };
-  Kind kind = Kind::kWhole;
-};
-
-/// Shared by all drivers that are opened one after the other.
-struct Script {
-  std::mutex mutex;
-  std::deque<Step::Kind> steps;  ///< of the coming triggers; then all are whole
-  std::uint64_t next_id = 100;
-  bool answers = true;
-  int refused_opens = 0;
-  int opened = 0;
-  int closed = 0;
-  int streams = 0;
-};
-
-class ScriptedDriver final : public CameraDriver {
- public:
-  explicit ScriptedDriver(std::shared_ptr<Script> script) : script_(std::move(script)) {}
-
-  ~ScriptedDriver() override {
-    const std::scoped_lock lock(script_->mutex);
-    ++script_->closed;
-  }
-
-  CameraDescription describe() override { return {.id = "scripted"}; }
-
-  DriverSettings configure(const CameraConfiguration& configuration) override {
-    if (configuration.exposure_us < 10.0) {
-      throw ConfigError("exposure_us", "is too short");
-    }
-    return {.description = describe(), .exposure_us = configuration.exposure_us, .gain = 3.0};
-  }
-
-  void start() override {
-    const std::scoped_lock lock(script_->mutex);
-    ++script_->streams;
-    coming_.clear();
-  }
-
-  void stop() override {}
-
-  void trigger() override {
-    Step::Kind kind = Step::Kind::kWhole;
-    {
-      const std::scoped_lock lock(script_->mutex);
-      if (!script_->steps.empty()) {
-        kind = script_->steps.front();
-        script_->steps.pop_front();
-      }
-    }
-    if (kind == Step::Kind::kRefused) {
-      throw TriggerRefused("busy");
-    }
-    if (kind == Step::Kind::kHangs) {
-      std::this_thread::sleep_for(milliseconds(700));
-    }
-    if (kind == Step::Kind::kWithLate) {
-      coming_.push_back(frame(script_->next_id - 1, true));
-    }
-    if (kind == Step::Kind::kMissed) {
-      return;
-    }
-    const std::uint64_t id = script_->next_id++;
-    if (kind != Step::Kind::kNothing) {
-      coming_.push_back(frame(id, kind != Step::Kind::kIncomplete));
-    }
-  }
-
-  std::optional<DriverFrame> next_frame(milliseconds within) override {
-    if (coming_.empty()) {
-      std::this_thread::sleep_for(within);
-      return std::nullopt;
-    }
-    DriverFrame next = coming_.front();
-    coming_.pop_front();
-    return next;
-  }
-
-  bool answers() override {
-    const std::scoped_lock lock(script_->mutex);
-    return script_->answers;
-  }
-
-  bool has_lost_control() const override { return false; }
-
- private:
-  static DriverFrame frame(std::uint64_t id, bool is_complete) {
-    return {.is_complete = is_complete,
-            .what = is_complete ? "" : "packets are missing",
-            .codes = Image<std::uint16_t>(1, 1, static_cast<std::uint16_t>(id)),
-            .frame_id = id};
-  }
-
-  std::shared_ptr<Script> script_;
-  std::deque<DriverFrame> coming_;
-};
-
-constexpr CameraDeadlines kBrief = {.frame = milliseconds(60),
-                                    .answer = milliseconds(60),
-                                    .settings = milliseconds(300),
-                                    .close = milliseconds(100),
-                                    .first_pause = milliseconds(5),
-                                    .longest_pause = milliseconds(20)};
-
-std::unique_ptr<SupervisedCamera> started(const std::shared_ptr<Script>& script) {
-  auto camera = std::make_unique<SupervisedCamera>(
-      [script]() -> std::unique_ptr<CameraDriver> {
-        const std::scoped_lock lock(script->mutex);
-        if (script->refused_opens > 0) {
-          --script->refused_opens;
-          throw IoError("there is no camera");
-        }
-        ++script->opened;
-        return std::make_unique<ScriptedDriver>(script);
-      },
-      kBrief);
-  camera->configure({.exposure_us = 1000.0});
-  camera->start();
-  return camera;
-}
 
 TEST(SupervisedCamera, GoesThroughItsStates) {
   const auto script = std::make_shared<Script>();
@@ -273,6 +151,104 @@ TEST(SupervisedCamera, GivesUpToReopenInTime) {
   script->refused_opens = 1000;
   EXPECT_FALSE(camera->reopen(milliseconds(100)));
   EXPECT_EQ(camera->state(), CameraState::kLost);
+}
+
+TEST(SupervisedCamera, TriesToReopenWithPausesThatGrow) {
+  const auto script = std::make_shared<Script>();
+  CameraDeadlines deadlines = kBrief;
+  deadlines.first_pause = milliseconds(20);
+  deadlines.longest_pause = milliseconds(80);
+  const auto camera = started(script, deadlines);
+  script->steps = {Step::Kind::kNothing};
+  script->answers = false;
+  EXPECT_EQ(camera->capture().status, FrameStatus::kLost);
+  script->opens.clear();
+  script->refused_opens = 6;
+  ASSERT_TRUE(camera->reopen(milliseconds(10000)));
+  ASSERT_EQ(script->opens.size(), 7U);
+  std::vector<Clock::duration> pauses;
+  for (std::size_t i = 1; i < script->opens.size(); ++i) {
+    pauses.push_back(script->opens[i] - script->opens[i - 1]);
+  }
+  for (const std::size_t i : {0U, 1U, 2U}) {
+    EXPECT_GE(pauses[i], milliseconds(20 << i));
+  }
+  // The shortest: the machine may be busy at one of them.
+  EXPECT_GE(*std::min_element(pauses.begin() + 3, pauses.end()), milliseconds(80));
+  EXPECT_LT(*std::min_element(pauses.begin() + 3, pauses.end()), milliseconds(160))
+      << "no more than the longest";
+}
+
+/// Settings may take as long as they do in the product.
+CameraDeadlines patient_settings() {
+  CameraDeadlines deadlines = kBrief;
+  deadlines.settings = CameraDeadlines{}.settings;
+  return deadlines;
+}
+
+// After a picture that was not complete a new stream is begun. A camera that dies there is lost as
+// early as one that dies in a picture: 0.12 s here.
+TEST(SupervisedCamera, IsLostAsEarlyInTheNewStreamAfterAnIncompletePicture) {
+  using enum Step::Kind;
+  for (const Script::Call call : {Script::Call::kStop, Script::Call::kStart}) {
+    const auto script = std::make_shared<Script>();
+    const auto camera = started(script, patient_settings());
+    script->steps = {kIncomplete, kIncomplete, kIncomplete, kIncomplete};
+    EXPECT_EQ(camera->capture().status, FrameStatus::kIncomplete);
+    script->hang(call);
+    const auto died = Clock::now();
+    EXPECT_EQ(camera->capture().status, FrameStatus::kLost);
+    EXPECT_LT(seconds_since(died), 1.5);
+    EXPECT_EQ(camera->state(), CameraState::kLost);
+    script->hang(Script::Call::kNone);
+    EXPECT_TRUE(camera->reopen(milliseconds(2000)));
+    EXPECT_EQ(camera->state(), CameraState::kAcquiring);
+    camera->close();
+    EXPECT_TRUE(script->ends());
+  }
+}
+
+// What the product waits for: a camera that is lost within exposure + 2 s and free 3 s later.
+TEST(SupervisedCamera, WaitsNoLongerThanItSays) {
+  const CameraDeadlines deadlines;
+  EXPECT_LE(deadlines.frame + deadlines.answer, milliseconds(1950));
+  EXPECT_LE(deadlines.close, milliseconds(2900));
+}
+
+TEST(SupervisedCamera, IsFreeInTimeWhateverHangsWhileItIsClosed) {
+  for (const Script::Call call : {Script::Call::kStop, Script::Call::kClose}) {
+    for (const bool is_destroyed : {false, true}) {
+      const auto script = std::make_shared<Script>();
+      auto camera = started(script, patient_settings());
+      script->hang(call);
+      const auto begin = Clock::now();
+      if (is_destroyed) {
+        camera.reset();
+      } else {
+        camera->close();
+        EXPECT_EQ(camera->state(), CameraState::kClosed);
+      }
+      EXPECT_LT(seconds_since(begin), 1.5) << "0.1 s are allowed";
+      EXPECT_EQ(script->closed, 0) << "it hangs";
+      EXPECT_TRUE(script->ends());
+    }
+  }
+}
+
+// A lost camera's handle stays with its thread: nobody waits for it.
+TEST(SupervisedCamera, ALostCameraIsFreeAtOnceThoughItsDriverHangs) {
+  const auto script = std::make_shared<Script>();
+  auto camera = started(script, patient_settings());
+  script->hang(Script::Call::kClose);
+  script->steps = {Step::Kind::kNothing};
+  script->answers = false;
+  EXPECT_EQ(camera->capture().status, FrameStatus::kLost);
+  const auto lost = Clock::now();
+  camera->close();
+  camera.reset();
+  EXPECT_LT(seconds_since(lost), 1.5);
+  EXPECT_EQ(script->closed, 0);
+  EXPECT_TRUE(script->ends());
 }
 
 TEST(SupervisedCamera, RefusesAConfigurationAndStaysReady) {

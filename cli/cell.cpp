@@ -242,6 +242,16 @@ ServingTwins twins_of(const std::string& kind,
   return twins;
 }
 
+/// @throws ConfigError for a port that no twin of this kind would listen at
+void check_twin_port(const std::string& kind, const CellArguments& arguments) {
+  if (kind == "camera" && arguments.port.value_or(0) != 0) {
+    throw ConfigError(
+        fmt::format("glint cell twin camera: --port {}: every camera listens at port 3956, each at "
+                    "an address of its own; --port 0 takes a free address",
+                    *arguments.port));
+  }
+}
+
 int twin_action(const CellArguments& arguments, const CommonArguments& common) {
   if (!arguments.words.empty() && arguments.words[0] == "stop") {
     return twin_stop(arguments, common);
@@ -259,6 +269,7 @@ int twin_action(const CellArguments& arguments, const CommonArguments& common) {
     throw ConfigError(
         fmt::format("glint cell twin {}: there are camera, robot, both, stop and place", kind));
   }
+  check_twin_port(kind, arguments);
   const Cell cell = read_cell(arguments.words[1]);
   serve_twins([&] { return twins_of(kind, cell, arguments.port, common.threads); },
               {.is_detached = arguments.is_detached, .ready_file = arguments.ready_file},

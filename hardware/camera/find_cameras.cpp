@@ -9,8 +9,6 @@
 namespace glint {
 namespace {
 
-constexpr std::uint32_t kFirstLoopback = 0x7f000001;
-
 FoundCamera found_camera(const FoundDevice& device) {
   return {.id = device.vendor + "-" + device.serial,
           .vendor = device.vendor,

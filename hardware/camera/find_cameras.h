@@ -19,12 +19,9 @@ struct FoundCamera {
   std::string protocol;   ///< "GigEVision", "USB3Vision"
 };
 
-/// How many addresses of this machine are asked, from 127.0.0.1 on.
-inline constexpr std::uint32_t kLoopbackAddresses = 8;
-
 /// All cameras on networks and USB that answer within about a second, by their ids. Cameras at
-/// addresses of this machine alone do not hear broadcasts: 127.0.0.1 to 127.0.0.8 and `also` are
-/// asked one by one.
+/// addresses of this machine alone do not hear broadcasts: kLoopbackAddresses (discovery.h) from
+/// 127.0.0.1 on and `also` are asked one by one.
 /// @param also  IPv4 addresses; what is none is left out
 std::vector<FoundCamera> find_cameras(std::span<const std::string> also = {});
 

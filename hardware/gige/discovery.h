@@ -12,6 +12,10 @@
 
 namespace glint {
 
+/// The addresses of this machine at which simulated cameras are looked for, and take a free one.
+inline constexpr std::uint32_t kFirstLoopback = 0x7f000001;  // 127.0.0.1
+inline constexpr std::uint32_t kLoopbackAddresses = 32;
+
 /// What a camera says about itself before anybody opens it.
 struct FoundDevice {
   std::string vendor;

@@ -63,16 +63,16 @@ CameraTwinCounts CameraTwin::counts() const {
 }
 
 std::uint32_t free_camera_address() {
-  constexpr std::uint32_t kFirst = 0x7f000001;
-  for (std::uint32_t i = 0; i < 32; ++i) {
+  for (std::uint32_t i = 0; i < kLoopbackAddresses; ++i) {
     try {
-      const UdpSocket probe({.address = kFirst + i, .port = kGvcpPort});
-      return kFirst + i;
+      const UdpSocket probe({.address = kFirstLoopback + i, .port = kGvcpPort});
+      return kFirstLoopback + i;
     } catch (const IoError&) {
       continue;
     }
   }
-  throw IoError("cameras listen at all addresses from 127.0.0.1 to 127.0.0.32");
+  throw IoError("cameras listen at all addresses from " + ipv4_text(kFirstLoopback) + " to " +
+                ipv4_text(kFirstLoopback + kLoopbackAddresses - 1));
 }
 
 }  // namespace glint

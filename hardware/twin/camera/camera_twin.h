@@ -51,8 +51,8 @@ class CameraTwin {
   std::unique_ptr<Server> server_;
 };
 
-/// The first address from 127.0.0.1 on at which no camera listens.
-/// @throws IoError when 32 of them are taken
+/// The first of the addresses that find_cameras() asks at which no camera listens.
+/// @throws IoError when all of them are taken
 std::uint32_t free_camera_address();
 
 }  // namespace glint

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "hardware/camera/aravis_camera.h"
 #include "hardware/camera/find_cameras.h"
+#include "hardware/gige/discovery.h"
 #include "hardware/gige/udp_socket.h"
 #include "hardware/twin/camera/test_pattern.h"
 #include "tests/hardware/twin/camera/twin_process.h"
@@ -117,8 +118,12 @@ TEST(CameraTwin, TellsWhatItIs) {
                     .features = {{"BlackLevel", "12.5"}}});
   EXPECT_EQ(camera.description().packet_size, 4000);
   camera.start();
+  const auto before = std::chrono::system_clock::now();
   const Frame frame = camera.capture();
+  const auto after = std::chrono::system_clock::now();
   ASSERT_TRUE(frame.is_complete()) << frame.what;
+  EXPECT_GE(frame.host_time, before);
+  EXPECT_LE(frame.host_time, after);
   EXPECT_EQ(frame.exposure_us, 2500.5);
   EXPECT_EQ(frame.gain, 6.25);
   EXPECT_GT(frame.camera_time_ns, 0U);
@@ -143,6 +148,20 @@ TEST(CameraTwin, IsFoundByItsAddressAndOpenedByItsId) {
   ASSERT_NE(found, cameras.end());
   EXPECT_EQ(found->id, "Glint-TWIN01");
   EXPECT_EQ(found->model, "CameraTwin");
+  AravisCamera camera(found->id);
+  EXPECT_EQ(camera.description().address, found->address);
+  camera.configure(configuration_of(PixelFormat::kMono8));
+  camera.start();
+  EXPECT_TRUE(camera.capture().is_complete());
+}
+
+// Twins on free addresses take no other than are looked at.
+TEST(CameraTwin, IsFoundAtTheLastOfTheAddressesToo) {
+  const std::uint32_t address = kFirstLoopback + kLoopbackAddresses - 1;
+  const TwinProcess process(address);
+  const std::vector<FoundCamera> cameras = find_cameras_at({}, 500);
+  const auto found = std::ranges::find(cameras, ipv4_text(address), &FoundCamera::address);
+  EXPECT_NE(found, cameras.end());
 }
 
 TEST(CameraTwin, ListensOnThisMachineAlone) {

@@ -30,8 +30,9 @@ double estimated_duration_s(const ArmWithTool& arm,
     before = shape;
   }
   const double link_mm_per_rad = fastest_mm * kSteps / leading_rad;
-  const double speed = std::min(arm.limits.joint_speed_rad_s,
-                                arm.limits.tool_speed_mm_s / std::max(link_mm_per_rad, 1e-6));
+  const double planned_mm_s = arm.limits.tool_speed_mm_s / kToolSpeedReserve;
+  const double speed =
+      std::min(arm.limits.joint_speed_rad_s, planned_mm_s / std::max(link_mm_per_rad, 1e-6));
   return Trapezoid(leading_rad, speed, arm.limits.joint_acceleration_rad_s2).duration_s();
 }
 

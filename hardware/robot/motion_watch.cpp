@@ -13,7 +13,6 @@ namespace {
 constexpr double kBeginTimeoutS = 2.0;
 constexpr double kReasonS =
     0.1;  ///< how long the controller's reason may come after the stop itself
-constexpr double kSpeedTolerance = 1.1;
 constexpr double kArrivedRad = 2e-3;
 constexpr double kSlowestScaling = 0.05;
 
@@ -86,8 +85,7 @@ void MotionWatch::on_package(const RobotState& state, double now_s) {
 }
 
 bool MotionWatch::is_within_limits(const RobotState& state) {
-  const double limit_mm_s = kSpeedTolerance * arm_.limits.tool_speed_mm_s;
-  if (!(state.tool_speed_mm_s <= limit_mm_s)) {
+  if (!(state.tool_speed_mm_s <= arm_.limits.tool_speed_mm_s)) {
     end(MotionOutcome::kLimit,
         fmt::format("the tool moved at {:.1f} mm/s, limits.tool_speed_mm_s is {:.1f}",
                     state.tool_speed_mm_s,

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kStepMm = 2.0;
 constexpr double kBetweenMm =
-    0.5 * kStepMm;                     ///< how far a path bulges between two samples, at most
-constexpr double kSpeedMargin = 1.02;  ///< between samples links may be a little faster
+    0.5 * kStepMm;                          ///< how far a path bulges between two samples, at most
+constexpr double kJointSpeedMargin = 1.02;  ///< between samples joints may be a little faster
 constexpr double kMmPerRad = 1000.0;
 
 ArmShape shape_at(const ArmWithTool& arm, const JointVector& joints_rad) {
@@ -183,8 +183,8 @@ CheckedMotion check_joint_motion(const ArmWithTool& arm,
   }
   motion.speed = share * arm.limits.joint_speed_rad_s;
   if (*link_mm_per_rad > 0.0) {
-    motion.speed = std::min(motion.speed,
-                            share * arm.limits.tool_speed_mm_s / (kSpeedMargin * *link_mm_per_rad));
+    motion.speed = std::min(
+        motion.speed, share * arm.limits.tool_speed_mm_s / (kToolSpeedReserve * *link_mm_per_rad));
   }
   motion.duration_s = Trapezoid(leading_rad, motion.speed, motion.acceleration).duration_s();
   return motion;
@@ -213,11 +213,11 @@ CheckedMotion check_line_motion(const ArmWithTool& arm,
     }
   }
   motion.goal_rad = walk.joints_rad;
-  motion.speed = share * arm.limits.tool_speed_mm_s / (kSpeedMargin * walk.link_mm_per_mm);
+  motion.speed = share * arm.limits.tool_speed_mm_s / (kToolSpeedReserve * walk.link_mm_per_mm);
   if (walk.joint_rad_per_mm > 0.0) {
-    motion.speed =
-        std::min(motion.speed,
-                 share * arm.limits.joint_speed_rad_s / (kSpeedMargin * walk.joint_rad_per_mm));
+    motion.speed = std::min(
+        motion.speed,
+        share * arm.limits.joint_speed_rad_s / (kJointSpeedMargin * walk.joint_rad_per_mm));
   }
   motion.duration_s = Trapezoid(length_mm, motion.speed, motion.acceleration).duration_s();
   return motion;

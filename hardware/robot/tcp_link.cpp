@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/robot/tcp_link.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <future>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 #include <boost/asio.hpp>
 
 #include "core/error.h"
+#include "core/wall_clock.h"
 
 namespace glint {
 namespace {
@@ -23,7 +27,53 @@ std::chrono::microseconds duration_of(double seconds) {
 
 constexpr std::size_t kReadBytes = 65536;
 
+/// A look-up cannot be broken off: it has a thread of its own, which is left alone when it takes
+/// too long, and ends with it.
+/// @throws what the look-up does; IoError when it takes longer
+std::vector<std::string> resolved(const std::string& host,
+                                  double timeout_s,
+                                  const ResolveHost& resolve) {
+  std::packaged_task<std::vector<std::string>()> task([resolve, host] { return resolve(host); });
+  std::future<std::vector<std::string>> result = task.get_future();
+  std::thread(std::move(task)).detach();
+  if (result.wait_for(duration_of(timeout_s)) != std::future_status::ready) {
+    throw IoError(fmt::format("the name is not looked up within {:.1f} s", timeout_s));
+  }
+  return result.get();
+}
+
+/// Numbers need no look-up.
+std::vector<tcp::endpoint> endpoints_of(const std::string& host,
+                                        int port,
+                                        double timeout_s,
+                                        const ResolveHost& resolve) {
+  error_code error;
+  const auto number = static_cast<unsigned short>(port);
+  if (const auto address = asio::ip::make_address(host, error); !error) {
+    return {{address, number}};
+  }
+  std::vector<tcp::endpoint> endpoints;
+  for (const std::string& address : resolved(host, timeout_s, resolve)) {
+    endpoints.emplace_back(asio::ip::make_address(address), number);
+  }
+  return endpoints;
+}
+
 }  // namespace
+
+std::vector<std::string> resolve_host(const std::string& host) {
+  asio::io_context context;
+  tcp::resolver resolver(context);
+  error_code error;
+  std::vector<std::string> addresses;
+  for (const auto& entry : resolver.resolve(host, "", error)) {
+    addresses.push_back(entry.endpoint().address().to_string());
+  }
+  if (error) {
+    throw IoError(error.message());
+  }
+  return addresses;
+}
 
 struct TcpLink::Impl {
   asio::io_context context;
@@ -48,15 +98,17 @@ struct TcpLink::Impl {
   }
 };
 
-TcpLink::TcpLink(const std::string& host, int port, double timeout_s)
+TcpLink::TcpLink(const std::string& host, int port, double timeout_s, const ResolveHost& resolve)
     : impl_(std::make_unique<Impl>()) {
   impl_->peer = fmt::format("{}:{}", host, port);
-  error_code error;
-  tcp::resolver resolver(impl_->context);
-  const auto found = resolver.resolve(host, std::to_string(port), error);
-  if (error) {
-    throw IoError(fmt::format("{}: {}", impl_->peer, error.message()));
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<tcp::endpoint> found;
+  try {
+    found = endpoints_of(host, port, timeout_s, resolve);
+  } catch (const IoError& error) {
+    throw IoError(fmt::format("{}: {}", impl_->peer, error.what()));
   }
+  error_code error;
   bool is_done = false;
   asio::async_connect(
       impl_->socket, found, [&](const error_code& result, const tcp::endpoint& endpoint) {
@@ -64,7 +116,7 @@ TcpLink::TcpLink(const std::string& host, int port, double timeout_s)
         impl_->is_loopback = !result && endpoint.address().is_loopback();
         is_done = true;
       });
-  if (!impl_->run(is_done, timeout_s)) {
+  if (!impl_->run(is_done, std::max(0.0, timeout_s - seconds_since(begin)))) {
     throw IoError(fmt::format("{}: no answer within {:.1f} s", impl_->peer, timeout_s));
   }
   if (error) {

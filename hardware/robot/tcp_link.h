@@ -1,18 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace glint {
+
+/// The addresses of a host's name, as numbers. May take as long as it likes.
+using ResolveHost = std::function<std::vector<std::string>(const std::string& host)>;
+
+/// As the system knows it. @throws IoError when it does not
+std::vector<std::string> resolve_host(const std::string& host);
 
 /// A TCP connection on which nothing takes longer than it may. For one thread at a time.
 class TcpLink {
  public:
+  /// @param host  an address, or a name: looked up and connected to within the time together
   /// @throws IoError naming host and port: unknown, refused, no answer in time
-  TcpLink(const std::string& host, int port, double timeout_s);
+  TcpLink(const std::string& host,
+          int port,
+          double timeout_s,
+          const ResolveHost& resolve = resolve_host);
   ~TcpLink();
   TcpLink(TcpLink&&) noexcept;
   TcpLink& operator=(TcpLink&&) noexcept;

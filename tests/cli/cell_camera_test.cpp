@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "tests/cli/counting_peer.h"
 #include "tests/cli/program.h"
 #include "tests/cli/served_twins.h"
+#include "tests/support/process_sockets.h"
 
 namespace glint::test {
 namespace {
@@ -29,21 +31,59 @@ json call(const TemporaryFolder& folder, Arguments arguments) {
   return json_of(folder, arguments);
 }
 
+/// Two sockets of the camera, four ports of the robot and one of the stage, none of which anybody
+/// else on the network can reach.
+void expect_loopback_alone(const ServedTwins& twins) {
+  int udp = 0;
+  int listening = 0;
+  for (const ProcessSocket& socket : sockets_of(twins.process())) {
+    EXPECT_TRUE(socket.is_on_loopback()) << socket.text();
+    udp += socket.table == "udp" ? 1 : 0;
+    listening += socket.is_listening ? 1 : 0;
+  }
+  EXPECT_EQ(udp, 2);
+  EXPECT_EQ(listening, 5);
+}
+
+/// What reads pictures has nothing to say to a robot, though the cell has one.
+void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
+                                        const std::string& cell,
+                                        const std::string& camera_address) {
+  const CountingPeer rtde;
+  const CountingPeer primary;
+  const CountingPeer secondary;
+  const CountingPeer dashboard;
+  write_file(folder / "counted.toml",
+             fmt::format("include = [\"{}\"]\n[camera]\naddress = \"{}\"\n[robot]\nrtde_port = {}\n"
+                         "primary_port = {}\nsecondary_port = {}\ndashboard_port = {}\n",
+                         cell,
+                         camera_address,
+                         rtde.port(),
+                         primary.port(),
+                         secondary.port(),
+                         dashboard.port()));
+  const json list = json_of(folder, {"cell", "list"});
+  bool is_listed = false;
+  for (const json& camera : list["cameras"]) {
+    is_listed = is_listed || (camera["address"] == camera_address && camera["twin"] == true);
+  }
+  EXPECT_TRUE(is_listed) << list;
+  EXPECT_EQ(json_of(folder, {"cell", "grab", "counted.toml", "--out", "counted"})["complete"], 1);
+  for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
+    EXPECT_EQ(peer->connections(), 0);
+  }
+}
+
 TEST(CellCamera, IsListedGrabbedFromAndFollowsTheArm) {
   const TemporaryFolder folder;
   const std::string cell = "cell.toml";
   write_file(folder / cell,
              fmt::format("include = [\"{0}/cell.toml\"]\n[twin]\ntruth = \"{0}/truth.toml\"\n"
-                         "motion_speedup = 10\n",
+                         "motion_speedup = 10\n[stage]\nhost = \"127.0.0.1\"\n",
                          kGallery.string()));
   const ServedTwins twins(folder, "both", cell);
-  const std::string address = twins.of("camera")["address"];
-  const json list = json_of(folder, {"cell", "list"});
-  bool is_listed = false;
-  for (const json& camera : list["cameras"]) {
-    is_listed = is_listed || (camera["address"] == address && camera["twin"] == true);
-  }
-  EXPECT_TRUE(is_listed) << list;
+  expect_list_and_grab_call_no_robot(folder, cell, twins.of("camera")["address"]);
+  expect_loopback_alone(twins);
   const json above = call(folder, {"cell", "grab", cell, "--count", "3", "--out", "above"});
   EXPECT_EQ(above["complete"], 3);
   EXPECT_GT(above["frames"][0]["mean_grey"], 0.05);
@@ -69,16 +109,19 @@ TEST(CellCamera, AloneStandsAtTheFirstSafePosition) {
 TEST(CellCamera, SlipsAreNamed) {
   const TemporaryFolder folder;
   write_file(folder / "cell.toml", "[camera]\naddress = \"127.99.99.99\"\n");
-  const std::vector<ProgramResult> results =
-      glint_at_once(folder,
-                    std::vector<Arguments>{{"cell", "grab", "cell.toml"},
-                                           {"cell", "twin", "camera", "cell.toml"},
-                                           {"cell", "list", "cell.toml"},
-                                           {"cell", "twin", "clock", "cell.toml"}});
+  const std::vector<ProgramResult> results = glint_at_once(
+      folder,
+      std::vector<Arguments>{{"cell", "grab", "cell.toml"},
+                             {"cell", "twin", "camera", "cell.toml"},
+                             {"cell", "list", "cell.toml"},
+                             {"cell", "twin", "clock", "cell.toml"},
+                             {"cell", "twin", "camera", "cell.toml", "--port", "4000"}});
   EXPECT_EQ(results[0].code, 3);
   EXPECT_THAT(results[1].err, HasSubstr("twin.truth"));
   EXPECT_THAT(results[2].err, HasSubstr("takes no file"));
   EXPECT_THAT(results[3].err, HasSubstr("camera, robot, both, stop and place"));
+  EXPECT_EQ(results[4].code, 2);
+  EXPECT_THAT(results[4].err, HasSubstr("--port 4000: every camera listens at port 3956"));
 }
 
 }  // namespace

@@ -1,68 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `glint cell`: what must not be sent, and the twin of a robot from beginning to end.
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <array>
-#include <atomic>
-#include <thread>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "tests/cli/counting_peer.h"
 #include "tests/cli/program.h"
-#include "tests/support/loopback_listener.h"
 
 namespace glint::test {
 namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
-
-/// Listens on a free port and counts who comes and what they send.
-class CountingPeer {
- public:
-  CountingPeer() : thread_([this] { count(); }) {}
-
-  ~CountingPeer() {
-    listener_.shut_down();
-    thread_.join();
-  }
-
-  CountingPeer(const CountingPeer&) = delete;
-  CountingPeer& operator=(const CountingPeer&) = delete;
-
-  int port() const { return listener_.port(); }
-
-  int connections() const { return connections_; }
-
-  long bytes() const { return bytes_; }
-
- private:
-  void count() {
-    for (;;) {
-      const int peer = listener_.accept(300);
-      if (peer < 0) {
-        return;
-      }
-      ++connections_;
-      std::array<char, 4096> buffer = {};
-      ssize_t count = 0;
-      while ((count = ::recv(peer, buffer.data(), buffer.size(), 0)) > 0) {
-        bytes_ += count;
-      }
-      ::close(peer);
-    }
-  }
-
-  LoopbackListener listener_;
-  std::atomic<int> connections_ = 0;
-  std::atomic<long> bytes_ = 0;
-  std::thread thread_;  // last: uses the others
-};
 
 std::string cell_text(int rtde, int primary, int secondary, int dashboard) {
   return fmt::format(R"([robot]
@@ -254,6 +205,32 @@ TEST(Cell, ATwinIsServedReadMovedAndStopped) {
   const json stopped = json_of(folder, {"cell", "twin", "stop", "out/twin.json"});
   EXPECT_EQ(stopped["was_running"], true);
   EXPECT_FALSE(std::filesystem::exists(folder / "out/twin.json"));
+}
+
+// Somebody else may take one of the four before the twin does: then it is tried with others.
+TEST(Cell, ATwinTakesFourPortsFromTheGivenOneOn) {
+  const TemporaryFolder folder;
+  write_file(folder / "cell.toml", cell_text(30004, 30001, 30002, 29999));
+  int first = 0;
+  for (int i = 0; i < 10 && !std::filesystem::exists(folder / "twin.json"); ++i) {
+    first = LoopbackListener().port();
+    glint_in(folder,
+             {"cell",
+              "twin",
+              "robot",
+              "cell.toml",
+              "--port",
+              std::to_string(first),
+              "--detach",
+              "--ready_file",
+              "twin.json"});
+  }
+  const json twin = json::parse(read_file(folder / "twin.json"))["twins"][0];
+  EXPECT_EQ(twin["rtde_port"], first);
+  EXPECT_EQ(twin["primary_port"], first + 1);
+  EXPECT_EQ(twin["secondary_port"], first + 2);
+  EXPECT_EQ(twin["dashboard_port"], first + 3);
+  EXPECT_EQ(json_of(folder, {"cell", "twin", "stop", "twin.json"})["was_running"], true);
 }
 
 TEST(Cell, ATwinThatCannotServeSaysWhy) {

@@ -38,6 +38,8 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
+  pid_t id() const { return child_; }
+
   void send(int signal) const;
   bool is_running();  ///< does not wait
   ProgramResult wait();

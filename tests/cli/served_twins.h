@@ -44,6 +44,8 @@ class ServedTwins {
   ServedTwins(const ServedTwins&) = delete;
   ServedTwins& operator=(const ServedTwins&) = delete;
 
+  pid_t process() const { return program_.id(); }
+
   /// The object of the ready file that describes the twin of this kind; null without one.
   nlohmann::json of(const std::string& kind) const {
     for (const nlohmann::json& twin : ready_["twins"]) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/error.h"
+
 namespace glint {
 namespace {
 
@@ -15,12 +17,24 @@ constexpr int kCableBytes = 64 << 20;
 constexpr std::size_t kKeptPictures = 4;
 constexpr std::size_t kHeader = 8;
 constexpr int kPacketsAtOnce = 256;
+constexpr std::size_t kIpAndUdp = 28;  ///< bytes of headers
+
+std::uint32_t on_this_machine(std::uint32_t address) {
+  if (!is_loopback(address)) {
+    throw ConfigError("a simulated cable lies in 127.0.0.0/8 alone, not at " + ipv4_text(address));
+  }
+  return address;
+}
+
+bool is_too_long(const Bytes& packet, const CableFaults& faults) {
+  return faults.longest_packet > 0 && packet.size() + kIpAndUdp > faults.longest_packet;
+}
 
 }  // namespace
 
 BadCable::BadCable(std::uint32_t camera, std::uint32_t listen, std::uint64_t seed)
-    : camera_(camera),
-      listen_(listen),
+    : camera_(on_this_machine(camera)),
+      listen_(on_this_machine(listen)),
       control_({.address = listen, .port = kGvcpPort}),
       upstream_({.address = listen, .port = 0}),
       pictures_in_({.address = listen, .port = 0}),
@@ -148,7 +162,7 @@ void BadCable::resend(const ResendRequest& request, const CableFaults& faults) {
   }
   const auto end = picture->second.upper_bound(request.last);
   for (auto packet = picture->second.lower_bound(request.first); packet != end; ++packet) {
-    if (happens(faults.dropped)) {
+    if (is_too_long(packet->second, faults) || happens(faults.dropped)) {
       ++counts_.dropped;
       continue;
     }
@@ -163,7 +177,7 @@ void BadCable::pass_pictures(const CableFaults& faults) {
   for (int i = 0; i < kPacketsAtOnce && pictures_in_.receive(packet, from); ++i) {
     keep(packet);
     ++counts_.packets;
-    if (happens(faults.dropped)) {
+    if (is_too_long(packet, faults) || happens(faults.dropped)) {
       ++counts_.dropped;
       continue;
     }

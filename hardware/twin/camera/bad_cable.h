@@ -25,6 +25,7 @@ struct CableFaults {
   double doubled = 0.0;
   double swapped = 0.0;  ///< with the packet that comes next
   std::chrono::milliseconds delay{0};
+  std::size_t longest_packet = 0;  ///< bytes with all headers, longer ones get lost; 0: none does
   bool answers_resend = true;
   bool is_cut = false;  ///< nothing passes, control neither
 };
@@ -41,7 +42,7 @@ class BadCable {
  public:
   /// @param camera  address that the camera listens at, in 127.0.0.0/8
   /// @param listen  another one, for its client
-  /// @throws IoError when it is taken
+  /// @throws ConfigError for one that is not in 127.0.0.0/8, IoError when it is taken
   BadCable(std::uint32_t camera, std::uint32_t listen, std::uint64_t seed = 1);
   ~BadCable();
   BadCable(const BadCable&) = delete;

@@ -57,6 +57,7 @@ void TwinController::set_inputs(const std::vector<std::string>& names,
                                 const std::vector<RtdeValue>& values) {
   std::uint8_t mask = 0;
   std::uint8_t bits = 0;
+  inputs_written_.insert(names.begin(), names.end());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string& name = names[i];
     if (name == "standard_digital_output_mask") {

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -63,6 +64,9 @@ class TwinController {
 
   /// Inputs of one package: digital outputs where the mask has bits, registers.
   void set_inputs(const std::vector<std::string>& names, const std::vector<RtdeValue>& values);
+
+  /// Names of all inputs that anybody has written since the twin began.
+  const std::set<std::string>& inputs_written() const { return inputs_written_; }
 
   /// A program begins, or is refused with a message.
   void run(const ScriptReader::Result& script);
@@ -138,6 +142,7 @@ class TwinController {
   std::array<std::int32_t, 48> int_inputs_ = {};
   std::array<double, 48> double_inputs_ = {};
   std::uint64_t digital_outputs_ = 0;
+  std::set<std::string> inputs_written_;
   std::vector<Fault> faults_;
   int num_faults_applied_ = 0;
   double moving_s_ = 0.0;  ///< how long the arm has been moving

@@ -392,4 +392,9 @@ std::uint64_t TwinServer::num_command_bytes() const {
   return impl_->num_command_bytes;
 }
 
+std::set<std::string> TwinServer::inputs_written() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->twin.inputs_written();
+}
+
 }  // namespace glint

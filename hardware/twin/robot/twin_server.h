@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "hardware/twin/robot/twin_controller.h"
@@ -65,6 +66,9 @@ class TwinServer {
 
   /// Bytes that have come on the primary and the secondary interface and on the dashboard.
   std::uint64_t num_command_bytes() const;
+
+  /// Names of all RTDE inputs that clients have written.
+  std::set<std::string> inputs_written() const;
 
  private:
   struct Impl;

@@ -7,6 +7,7 @@
 
 #include <thread>
 
+#include "core/error.h"
 #include "hardware/twin/camera/test_pattern.h"
 #include "tests/hardware/twin/camera/started_camera.h"
 #include "tests/hardware/twin/camera/twin_process.h"
@@ -23,6 +24,7 @@ namespace glint {
 namespace {
 
 using std::chrono::milliseconds;
+using testing::HasSubstr;
 
 /// The smallest number from `first` on whose pattern a frame shows; patterns of 8 bits come again
 /// after 256. Empty: it shows none.
@@ -107,6 +109,32 @@ TEST_F(LossyCable, WithoutResentPacketsIncompleteFramesAreNamed) {
   EXPECT_TRUE(frame.codes.empty());
   cable_.set_faults({});
   EXPECT_TRUE(camera->capture().is_complete());
+}
+
+// Packets of the size that the cell asks for do not get through: it is said before any picture is
+// taken, with the largest size that does.
+TEST_F(LossyCable, PacketsThatAreTooLongAreFoundByTheTestPacket) {
+  cable_.set_faults({.longest_packet = 3000});
+  AravisCamera camera(ipv4_text(test_address(22)));
+  camera.configure({.exposure_us = 1000.0, .packet_size = 9000});
+  try {
+    camera.start();
+    FAIL() << "no error";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("packet_size"));
+    EXPECT_THAT(error.what(), HasSubstr("packets of 9000 bytes do not get through"));
+  }
+  EXPECT_GT(cable_.counts().dropped, 0U);
+  camera.configure({.exposure_us = 1000.0, .packet_size = 2000});
+  camera.start();
+  EXPECT_TRUE(camera.capture().is_complete());
+}
+
+TEST(BadCable, LiesOnThisMachineAlone) {
+  constexpr std::uint32_t kElsewhere = 0xc0a80001;  // 192.168.0.1
+  EXPECT_THROW(BadCable(kElsewhere, test_address(26)), ConfigError);
+  EXPECT_THROW(BadCable(test_address(26), kElsewhere), ConfigError);
+  EXPECT_THROW(BadCable(test_address(26), 0), ConfigError) << "any address of the machine";
 }
 
 // The first picture comes 1.3 s late: it belongs to an older trigger by then.

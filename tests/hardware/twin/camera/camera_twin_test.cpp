@@ -14,16 +14,15 @@
 #include "hardware/gige/udp_socket.h"
 #include "hardware/twin/camera/test_pattern.h"
 #include "tests/hardware/twin/camera/twin_process.h"
+#include "tests/support/process_sockets.h"
 
 namespace glint {
 namespace {
 
 using std::chrono::milliseconds;
-using testing::Each;
 using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
-using testing::StartsWith;
 
 CameraConfiguration configuration_of(PixelFormat format) {
   return {.format = format, .exposure_us = 1000.0, .packet_size = 9000};
@@ -171,9 +170,11 @@ TEST(CameraTwin, ListensOnThisMachineAlone) {
   camera.configure(configuration_of(PixelFormat::kMono8));
   camera.start();
   EXPECT_TRUE(camera.capture().is_complete());
-  const std::vector<std::string> sockets = udp_sockets_of(process.id());
+  const std::vector<ProcessSocket> sockets = sockets_of(process.id());
   EXPECT_THAT(sockets, SizeIs(2));
-  EXPECT_THAT(sockets, Each(StartsWith("127.")));
+  for (const ProcessSocket& socket : sockets) {
+    EXPECT_TRUE(socket.is_on_loopback()) << socket.text();
+  }
   TestPatternSource source(64, 48);
   EXPECT_THROW(CameraTwin({.address = 0xc0a80001}, source), ConfigError);
 }

@@ -6,14 +6,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
-#include <fmt/format.h>
 
 #include "core/error.h"
 #include "hardware/gige/udp_socket.h"
@@ -78,40 +72,6 @@ void TwinProcess::freeze() {
 
 void TwinProcess::thaw() {
   ::kill(process_, SIGCONT);
-}
-
-// A line of /proc/net/udp: number, address and port in hexadecimal (the address in the machine's
-// byte order), ..., inode in the tenth column.
-std::vector<std::string> udp_sockets_of(pid_t process) {
-  namespace fs = std::filesystem;
-  std::vector<std::string> inodes;
-  for (const auto& entry : fs::directory_iterator(fmt::format("/proc/{}/fd", process))) {
-    std::error_code gone;
-    const std::string target = fs::read_symlink(entry.path(), gone).string();
-    if (target.starts_with("socket:[")) {
-      inodes.push_back(target.substr(8, target.size() - 9));
-    }
-  }
-  std::vector<std::string> sockets;
-  for (const char* table : {"/proc/net/udp", "/proc/net/tcp"}) {
-    std::ifstream file(table);
-    std::string line;
-    std::getline(file, line);
-    while (std::getline(file, line)) {
-      std::istringstream columns(line);
-      std::array<std::string, 10> column;
-      for (std::string& text : column) {
-        columns >> text;
-      }
-      if (std::ranges::find(inodes, column[9]) == inodes.end()) {
-        continue;
-      }
-      const auto raw = static_cast<std::uint32_t>(std::stoul(column[1].substr(0, 8), nullptr, 16));
-      const unsigned long port = std::stoul(column[1].substr(9), nullptr, 16);
-      sockets.push_back(fmt::format("{}:{}", ipv4_text(__builtin_bswap32(raw)), port));
-    }
-  }
-  return sockets;
 }
 
 }  // namespace glint

@@ -6,8 +6,6 @@
 #include <sys/types.h>
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 namespace glint {
 
@@ -40,8 +38,5 @@ class TwinProcess {
   pid_t process_ = -1;
   int input_ = -1;
 };
-
-/// Local addresses of all UDP sockets of a process, as "127.0.0.1:3956".
-std::vector<std::string> udp_sockets_of(pid_t process);
 
 }  // namespace glint

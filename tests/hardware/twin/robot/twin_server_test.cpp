@@ -8,9 +8,6 @@
 
 #include <chrono>
 #include <cstdlib>
-#include <fstream>
-#include <set>
-#include <sstream>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -23,11 +20,14 @@
 #include "hardware/robot/ur_robot.h"
 #include "tests/hardware/robot/cell_robot_settings.h"
 #include "tests/hardware/twin/robot/twin_harness.h"
+#include "tests/support/process_sockets.h"
 
 namespace glint {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 TwinServerSettings on_free_ports(ArmModel model) {
   return {.twin = test_twin(model), .address = "127.0.0.1", .ports = {0, 0, 0, 0}};
@@ -61,7 +61,21 @@ TEST(UrRobot, MovesATwinAndReadsWhereItStands) {
     ASSERT_TRUE(pose.has_value());
     EXPECT_LT((pose->joints_rad - near_goal_rad()).norm(), 1e-6);
     EXPECT_LT(robot.state()->age_s, 0.3);
+    EXPECT_TRUE(robot.stop().is_done());
+    EXPECT_THAT(server.inputs_written(), IsEmpty());
   }
+}
+
+// The slider of the pendant stays with the person in front of it.
+TEST(UrRobot, WritesNoInputsButThoseOfLights) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  set_digital_outputs("127.0.0.1", server.ports().rtde, 0b0001, 0b0001);
+  EXPECT_THAT(server.inputs_written(),
+              ElementsAre("standard_digital_output", "standard_digital_output_mask"));
+  TwinController twin(test_twin(ArmModel::kUr3));
+  twin.set_inputs({"speed_slider_mask", "speed_slider_fraction"}, {std::uint32_t{1}, 0.5});
+  EXPECT_THAT(twin.inputs_written(), ElementsAre("speed_slider_fraction", "speed_slider_mask"))
+      << "whoever wrote it would be seen";
 }
 
 TEST(UrRobot, ReadingSendsNothingToScriptsAndDashboard) {
@@ -158,51 +172,15 @@ TEST(TwinProof, ATwinProvesItselfAndNothingElseDoes) {
   EXPECT_FALSE(is_proven_twin("127.0.0.1", port)) << "gone";
 }
 
-/// Inodes of this process' sockets.
-std::set<std::string> own_sockets() {
-  std::set<std::string> inodes;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
-    std::error_code ignored;
-    const std::string link = std::filesystem::read_symlink(entry.path(), ignored).string();
-    if (link.starts_with("socket:[")) {
-      inodes.insert(link.substr(8, link.size() - 9));
-    }
-  }
-  return inodes;
-}
-
-/// Local addresses, in hex as /proc/net has them, of sockets of this process.
-std::vector<std::string> local_addresses(const std::string& table) {
-  const std::set<std::string> inodes = own_sockets();
-  std::vector<std::string> addresses;
-  std::ifstream file("/proc/net/" + table);
-  std::string line;
-  std::getline(file, line);
-  while (std::getline(file, line)) {
-    std::istringstream words(line);
-    std::vector<std::string> fields;
-    for (std::string word; words >> word;) {
-      fields.push_back(word);
-    }
-    if (fields.size() > 9 && inodes.contains(fields[9])) {
-      addresses.push_back(fields[1]);
-    }
-  }
-  return addresses;
-}
-
-// 127.x.y.z is written as the hexadecimal of its bytes in reverse: ...7F.
 TEST(TwinServer, IsBoundToTheLoopbackNetworkAlone) {
   TwinServer server(on_free_ports(ArmModel::kUr3));
   const UrSettings settings = settings_for(server, ArmModel::kUr3);
   const UrRobot robot(settings, arm_with_tool(settings, test_limits()));
-  const std::vector<std::string> addresses = local_addresses("tcp");
-  EXPECT_GE(addresses.size(), 6U) << "four listening, two ends of a connection";
-  for (const std::string& address : addresses) {
-    EXPECT_EQ(address.substr(6, 2), "7F") << address;
-  }
-  for (const char* table : {"tcp6", "udp", "udp6", "raw"}) {
-    EXPECT_TRUE(local_addresses(table).empty()) << table;
+  const std::vector<ProcessSocket> sockets = sockets_of(::getpid());
+  EXPECT_GE(sockets.size(), 6U) << "four listening, two ends of a connection";
+  for (const ProcessSocket& socket : sockets) {
+    EXPECT_EQ(socket.table, "tcp") << socket.text();
+    EXPECT_TRUE(socket.is_on_loopback()) << socket.text();
   }
   TwinServerSettings open = on_free_ports(ArmModel::kUr3);
   for (const char* address : {"0.0.0.0", "192.168.1.10", "128.0.0.1", "::1", "localhost", ""}) {

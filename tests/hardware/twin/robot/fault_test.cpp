@@ -137,6 +137,16 @@ TEST(Motion, ArrivesAndStandsStill) {
     harness.run(0.4);
     ASSERT_TRUE(harness.driver.still_pose().has_value());
     EXPECT_LT((harness.driver.still_pose()->joints_rad - goal_rad()).norm(), 1e-6);
+    EXPECT_THAT(harness.scripts(), testing::Not(HasSubstr("speed"))) << "the slider is left alone";
+  }
+}
+
+// Packages come every 8 ms; the link is lost after 0.2 s without a new one, by the product's clock.
+TEST(Silence, OfAFifthOfASecondIsALostLink) {
+  for (const double silence_s : {0.19, 0.21}) {
+    TwinHarness harness(ArmModel::kUr3);
+    harness.driver.on_time(harness.now_s() + silence_s);
+    EXPECT_EQ(harness.driver.halted().has_value(), silence_s > 0.2) << silence_s;
   }
 }
 

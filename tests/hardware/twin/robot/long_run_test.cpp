@@ -65,15 +65,30 @@ TEST(LongRun, AnHourOfPackagesOverTheWireIsCompleteAndTakesNoMemory) {
   EXPECT_LT(resident_mb() - before_mb, 5.0);
 }
 
+/// How long after a stop the arm may still be slowing down: half a second until the stop is sent,
+/// and as long from the highest speed to none.
+constexpr std::chrono::milliseconds kUntilStill(1000);
+
 /// After a stop the arm stands still, and whoever moves it is told the stop again: nothing is sent.
 void expect_no_motion(TwinServer& server, UrRobot& robot) {
-  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
+  std::this_thread::sleep_for(kUntilStill);
   const JointVector at_rad = server.view().joints_rad;
   const std::uint64_t sent = server.num_command_bytes();
   EXPECT_TRUE(is_stop(robot.move_joints(test_start_rad(), 1.0).outcome));
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
   EXPECT_EQ(server.view().joints_rad, at_rad);
   EXPECT_EQ(server.num_command_bytes(), sent);
+}
+
+/// The base turns by 1.6 rad or more, to one side and back. Faults come to act 1.5 s after the arm
+/// has begun to move at the latest: it would be on its way for seconds after any of them.
+JointVector far_goal_rad(int motion, Rng& rng) {
+  JointVector goal_rad = test_start_rad();
+  for (double& angle : goal_rad) {
+    angle += rng.uniform(-0.3, 0.3);
+  }
+  goal_rad[0] += motion % 2 == 0 ? 2.2 : 0.0;
+  return goal_rad;
 }
 
 /// Up to three motions, each with up to two faults, until one of them is stopped.
@@ -96,10 +111,7 @@ std::string run_wire_sequence(std::uint64_t seed) {
         server.add_fault(random_fault(rng));
       }
     }
-    JointVector goal_rad = test_start_rad();
-    for (double& angle : goal_rad) {
-      angle += rng.uniform(-0.3, 0.3);
-    }
+    const JointVector goal_rad = far_goal_rad(motion, rng);
     const auto start = std::chrono::steady_clock::now();
     const MotionResult result = robot.move_joints(goal_rad, 1.0);
     EXPECT_LT(seconds_since(start), 20.0) << result.text;

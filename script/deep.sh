@@ -12,9 +12,11 @@ release        - the release build of program and benchmarks
 asan           - the fast tests but those of studies and cli, under AddressSanitizer and UBSan
 asan_studies   - those of studies and cli, under AddressSanitizer and UBSan
 tsan           - tests of core, optimizer and studies under ThreadSanitizer
+tsan_hardware  - tests of hardware under ThreadSanitizer
 tidy_core      - clang-tidy on core, metrics, optimizer, defects and cli
 tidy_simulator - clang-tidy on simulator
 tidy_studies   - clang-tidy on studies
+tidy_hardware  - clang-tidy on hardware
 tidy_tests     - clang-tidy on tests
 fuzz           - each fuzzer for a minute
 slow           - tests labelled slow, but those below
@@ -63,15 +65,19 @@ deep_asan_studies() {
   build_preset asan && run_tests asan -LE slow -R '^(studies|cli)' --timeout "$sanitizer_timeout_s"
 }
 
-deep_tsan() {
+run_under_tsan() { # regular expression of tests
   build_preset tsan || return
   TSAN_OPTIONS="suppressions=$root/tests/support/tsan_suppressions.txt halt_on_error=1" \
-    run_tests tsan -LE slow -R '^(core|optimizer|studies)' --timeout "$sanitizer_timeout_s"
+    run_tests tsan -LE slow -R "$1" --timeout "$sanitizer_timeout_s"
 }
+
+deep_tsan() { run_under_tsan '^(core|optimizer|studies)'; }
+deep_tsan_hardware() { run_under_tsan '^hardware'; }
 
 deep_tidy_core() { tidy_folders core metrics optimizer defects cli; }
 deep_tidy_simulator() { tidy_folders simulator; }
 deep_tidy_studies() { tidy_folders studies; }
+deep_tidy_hardware() { tidy_folders hardware; }
 deep_tidy_tests() { tidy_folders tests; }
 
 tidy_folders() { "$root/script/lint" --tidy "$@"; }

@@ -23,11 +23,14 @@ std::uint64_t seed_of(const TwinCellState& state, int seed) {
   return std::stoull(digest.substr(0, 8), nullptr, 16) & 0x7fffffffU;
 }
 
+/// Of the pose alone: lights do not move the arm.
+std::uint64_t seed_of_pose(const RigidTransform& base_from_flange, int seed) {
+  return seed_of({.base_from_flange = base_from_flange}, seed);
+}
+
 /// The flange's error, by a random vector for each of position and rotation.
 RigidTransform flange_error(const TruthSettings& truth, const TwinCellState& state) {
-  // Of the pose alone: lights do not move the arm.
-  const TwinCellState pose = {.base_from_flange = state.base_from_flange};
-  Rng random(seed_of(pose, truth.seed), Stream::kViewpoints, 0);
+  Rng random(seed_of_pose(state.base_from_flange, truth.seed), Stream::kViewpoints, 0);
   std::vector<double> position(3);
   std::vector<double> rotation(3);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -35,6 +38,10 @@ RigidTransform flange_error(const TruthSettings& truth, const TwinCellState& sta
     rotation[i] = truth.rotation_noise_rad * random.normal();
   }
   return pose_of(position, rotation);
+}
+
+RigidTransform transform_of(const Eigen::Isometry3d& pose) {
+  return {.rotation = pose.linear(), .translation_mm = pose.translation()};
 }
 
 std::vector<double> numbers(const Eigen::Vector3d& vector) {
@@ -71,9 +78,25 @@ std::string key_of(const TwinCellState& state) {
   return state.placement == 1 ? key : fmt::format("{} placement {}", key, state.placement);
 }
 
+RigidTransform joint_error_of(const TruthSettings& truth,
+                              const Arm& arm,
+                              const JointVector& joints_rad) {
+  if (truth.joint_noise_rad == 0.0) {
+    return {};
+  }
+  const RigidTransform told = transform_of(arm.forward(joints_rad));
+  Rng random(seed_of_pose(told, truth.seed), Stream::kRobotErrors, 0);
+  JointVector actual_rad = joints_rad;
+  for (double& angle : actual_rad) {
+    angle += truth.joint_noise_rad * random.normal();
+  }
+  return inverse(told) * transform_of(arm.forward(actual_rad));
+}
+
 RigidTransform scene_from_camera(const Truth& truth, const TwinCellState& state) {
-  return truth.scene_from_camera(
-      state.base_from_flange, flange_error(truth.settings, state), state.placement);
+  return truth.scene_from_camera(state.base_from_flange,
+                                 state.joint_error * flange_error(truth.settings, state),
+                                 state.placement);
 }
 
 CellRenderer::CellRenderer(const Truth& truth, ThreadPool& pool)

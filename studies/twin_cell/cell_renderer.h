@@ -9,6 +9,7 @@
 
 #include "core/image/image.h"
 #include "core/thread_pool.h"
+#include "hardware/robot/kinematics/arm.h"
 #include "hardware/twin/camera/picture_source.h"
 #include "studies/imaging/scene_store.h"
 #include "studies/twin_cell/truth.h"
@@ -21,12 +22,21 @@ struct TwinCellState {
   std::vector<std::string> lights;  ///< that are on
   int stage_position = 0;           ///< of a tunnel's scan: its frame
   int placement = 1;                ///< how many times the part has been put down
+  /// What errors of the joints make of the flange: base_from_flange * joint_error is where they
+  /// take it. Belongs to the pose, so that it is no part of key_of().
+  RigidTransform joint_error = {};
 
   bool is_dark() const { return lights.size() == 0; }  // NOLINT(readability-container-size-empty)
 };
 
 /// Equal for states whose pictures are equal: poses to a nanometre and a nanoradian.
 std::string key_of(const TwinCellState& state);
+
+/// The joint_error of an arm that stands there: each joint off by a normal number with the standard
+/// deviation of [truth]. Drawn by pose, so that it is the same each time.
+RigidTransform joint_error_of(const TruthSettings& truth,
+                              const Arm& arm,
+                              const JointVector& joints_rad);
 
 /// Where the camera is in truth when the robot says that its flange is there: with the hidden
 /// hand-eye, and the error that the arm has at this pose, which is the same each time.

@@ -184,8 +184,10 @@ class CellWatch {
   CellWatch(const Cell& cell,
             const TwinServer& robot,
             const StageServing* stage,
-            const CameraServing& camera)
+            const CameraServing& camera,
+            const TruthSettings& truth)
       : cell_(cell),
+        truth_(truth),
         arm_(arm_with_tool(robot_of(cell), cell.limits).arm),
         robot_(robot),
         stage_(stage),
@@ -210,15 +212,18 @@ class CellWatch {
 
  private:
   TwinCellState state_of(const JointVector& joints_rad, std::uint64_t outputs, int position) const {
+    const RigidTransform joint_error = joint_error_of(truth_, arm_, joints_rad);
     return {.base_from_flange = transform_of(arm_.forward(joints_rad)),
             .lights = lights_on(cell_, outputs),
             .stage_position = position,
-            .placement = camera_.placement()};
+            .placement = camera_.placement(),
+            .joint_error = joint_error};
   }
 
   int stage_position() const { return stage_ != nullptr ? stage_->position() : 0; }
 
   const Cell cell_;
+  const TruthSettings truth_;
   Arm arm_;
   const TwinServer& robot_;
   const StageServing* stage_;
@@ -325,10 +330,11 @@ class FollowingCamera final : public ServingTwin {
   FollowingCamera(const Cell& cell,
                   std::unique_ptr<CameraServing> camera,
                   std::shared_ptr<TwinServer> robot,
-                  std::shared_ptr<StageServing> stage)
+                  std::shared_ptr<StageServing> stage,
+                  const TruthSettings& truth)
       : robot_(std::move(robot)),
         stage_(std::move(stage)),
-        watch_(cell, *robot_, stage_.get(), *camera),
+        watch_(cell, *robot_, stage_.get(), *camera, truth),
         camera_(std::move(camera)),
         follower_(watch_, *robot_, camera_->pictures()) {
     camera_->pictures().set_live([this] { return watch_.now(); });
@@ -367,7 +373,8 @@ TwinCellState first_state(const Cell& cell, const Truth& truth) {
   const CellPosition& start = safe_position_of(cell, "");
   const JointVector joints_rad = Eigen::Map<const JointVector>(start.joints_rad.data());
   return {.base_from_flange = transform_of(arm.arm.forward(joints_rad)),
-          .lights = all_lights(cell)};
+          .lights = all_lights(cell),
+          .joint_error = joint_error_of(truth.settings, arm.arm, joints_rad)};
 }
 
 }  // namespace
@@ -403,7 +410,8 @@ ServingTwins both_twins_of(const Cell& cell, std::optional<int> port, int thread
     stage = std::make_shared<StageServing>(*cell.stage, camera->renderer(), port);
   }
   ServingTwins twins;
-  twins.push_back(std::make_unique<FollowingCamera>(cell, std::move(camera), robot, stage));
+  twins.push_back(
+      std::make_unique<FollowingCamera>(cell, std::move(camera), robot, stage, truth.settings));
   twins.push_back(std::make_unique<RobotServing>(robot));
   if (stage) {
     twins.push_back(std::make_unique<ServedStage>(stage));

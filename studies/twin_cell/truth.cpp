@@ -60,6 +60,10 @@ void visit_keys(KeyVisitor& keys, TruthSettings& settings) {
               settings.rotation_noise_rad,
               Range::between(0, 45),
               "how far it is turned from that, each axis");
+  keys.number("joint_noise_deg",
+              settings.joint_noise_rad,
+              Range::between(0, 5),
+              "how far each joint is from where the robot says; takes the flange along");
   keys.integer("seed", settings.seed, Range::at_least(0), "of these errors and the sensor's noise");
 }
 

@@ -29,7 +29,8 @@ struct TruthSettings {
   double exposure_s = 0.01;        ///< > 0; at which the scene's sensor.exposure holds
   double position_noise_mm = 0.0;  ///< >= 0; of the flange at each pose, per axis
   double rotation_noise_rad = 0.0;
-  int seed = 1;  ///< >= 0
+  double joint_noise_rad = 0.0;  ///< >= 0; of each joint at each pose
+  int seed = 1;                  ///< >= 0
 };
 
 void visit_keys(KeyVisitor& keys, TruthSettings& settings);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
+#include "core/units.h"
 #include "tests/studies/twin_cell/small_cell.h"
 
 namespace glint {
@@ -102,6 +103,53 @@ TEST(SceneFromCamera, HasTheSameErrorAtTheSamePoseAndAnotherAtAnother) {
   EXPECT_LT(error_mm(0, "ring").norm(), 1.0);
   EXPECT_EQ(error_mm(0, "ring"), error_mm(0, "bar"));
   EXPECT_GT((error_mm(0, "ring") - error_mm(5, "ring")).norm(), 1e-4);
+}
+
+/// A UR3 with its joints as the gallery's cell has them at home.
+const JointVector kJointsRad = JointVector{0.0, -100.0, 100.0, -90.0, -90.0, 0.0} * kRadPerDeg;
+
+// To the first order the flange goes where the Jacobian takes the joints' errors: of 400 draws at
+// poses that lie side by side the spread is that of the Jacobian's rows, to three of its standard
+// errors, 1 / sqrt(2 * 400) = 3.5 %.
+TEST(JointError, TakesTheFlangeWhereTheJacobianSays) {
+  const Arm arm(ArmModel::kUr3);
+  TruthSettings truth;
+  truth.joint_noise_rad = 1e-4;
+  constexpr int kDraws = 400;
+  const RigidTransform none = {};
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  for (int i = 0; i < kDraws; ++i) {
+    JointVector joints_rad = kJointsRad;
+    joints_rad[5] += 1e-6 * i;  // another draw, the same place
+    const RigidTransform off = joint_error_of(truth, arm, joints_rad);
+    squares += (arm.forward(joints_rad).linear() * off.translation_mm).cwiseAbs2() / kDraws;
+    EXPECT_FALSE(off.rotation.isApprox(none.rotation, 1e-12));
+  }
+  const ArmJacobian jacobian = arm.jacobian(kJointsRad);
+  for (int k = 0; k < 3; ++k) {
+    const double expected_mm = 1e-4 * jacobian.row(k).norm();
+    EXPECT_NEAR(std::sqrt(squares[k]), expected_mm, 0.105 * expected_mm) << "xyz"[k];
+  }
+}
+
+TEST(JointError, IsTheSameAtTheSamePoseAndOfItsSeed) {
+  const Arm arm(ArmModel::kUr3);
+  TruthSettings truth;
+  EXPECT_EQ(joint_error_of(truth, arm, kJointsRad).translation_mm, Eigen::Vector3d::Zero());
+  truth = truth_of(std::string(kSmallTruth) + "joint_noise_deg = 0.01\n").settings;
+  const RigidTransform first = joint_error_of(truth, arm, kJointsRad);
+  EXPECT_GT(first.translation_mm.norm(), 1e-4);
+  EXPECT_EQ(joint_error_of(truth, arm, kJointsRad).translation_mm, first.translation_mm);
+  truth.seed = 2;
+  EXPECT_NE(joint_error_of(truth, arm, kJointsRad).translation_mm, first.translation_mm);
+}
+
+TEST(SceneFromCamera, FollowsTheErrorOfTheJoints) {
+  const Truth truth = truth_of(kSmallTruth);
+  TwinCellState state = state_above(0, {});
+  state.joint_error.translation_mm = {0.5, 0, 0};  // the flange's x is the base's and the scene's
+  const RigidTransform pose = scene_from_camera(truth, state);
+  EXPECT_LT((pose.translation_mm - Eigen::Vector3d(0.5, 0, 180)).norm(), 1e-9);
 }
 
 }  // namespace

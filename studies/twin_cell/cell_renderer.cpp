@@ -40,10 +40,6 @@ RigidTransform flange_error(const TruthSettings& truth, const TwinCellState& sta
   return pose_of(position, rotation);
 }
 
-RigidTransform transform_of(const Eigen::Isometry3d& pose) {
-  return {.rotation = pose.linear(), .translation_mm = pose.translation()};
-}
-
 std::vector<double> numbers(const Eigen::Vector3d& vector) {
   return {vector.x(), vector.y(), vector.z()};
 }

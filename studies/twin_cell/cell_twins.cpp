@@ -27,10 +27,6 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kBetweenLooks{4};
 
-RigidTransform transform_of(const Eigen::Isometry3d& pose) {
-  return {.rotation = pose.linear(), .translation_mm = pose.translation()};
-}
-
 /// What is on when the controller's outputs are so.
 std::vector<std::string> lights_on(const Cell& cell, std::uint64_t outputs) {
   std::vector<std::string> names;

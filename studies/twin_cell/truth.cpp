@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/twin_cell/truth.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -65,6 +64,10 @@ void visit_keys(KeyVisitor& keys, TruthSettings& settings) {
               Range::between(0, 5),
               "how far each joint is from where the robot says; takes the flange along");
   keys.integer("seed", settings.seed, Range::at_least(0), "of these errors and the sensor's noise");
+}
+
+RigidTransform transform_of(const Eigen::Isometry3d& pose) {
+  return {.rotation = pose.linear(), .translation_mm = pose.translation()};
 }
 
 RigidTransform pose_of(const std::vector<double>& position_mm,

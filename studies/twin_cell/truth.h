@@ -5,6 +5,7 @@
 // back there, and how far the arm's joints are from what they tell.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <filesystem>
 #include <string>
@@ -58,6 +59,8 @@ struct Truth {
 
 /// @throws ConfigError with every problem, IoError
 Truth read_truth(const std::filesystem::path& file);
+
+RigidTransform transform_of(const Eigen::Isometry3d& pose);
 
 /// The rotation about a vector's direction by its length.
 RigidTransform pose_of(const std::vector<double>& position_mm,

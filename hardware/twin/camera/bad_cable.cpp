@@ -17,7 +17,7 @@ constexpr int kCableBytes = 64 << 20;
 constexpr std::size_t kKeptPictures = 4;
 constexpr std::size_t kHeader = 8;
 constexpr int kPacketsAtOnce = 256;
-constexpr std::size_t kIpAndUdp = 28;  ///< bytes of headers
+constexpr std::size_t kUdpHeaders = 28;  ///< bytes of headers
 
 std::uint32_t on_this_machine(std::uint32_t address) {
   if (!is_loopback(address)) {
@@ -27,7 +27,7 @@ std::uint32_t on_this_machine(std::uint32_t address) {
 }
 
 bool is_too_long(const Bytes& packet, const CableFaults& faults) {
-  return faults.longest_packet > 0 && packet.size() + kIpAndUdp > faults.longest_packet;
+  return faults.longest_packet > 0 && packet.size() + kUdpHeaders > faults.longest_packet;
 }
 
 }  // namespace

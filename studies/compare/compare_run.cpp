@@ -19,6 +19,7 @@
 #include "studies/compare/compare_page.h"
 #include "studies/compare/compare_result.h"
 #include "studies/compare/compared_pair.h"
+#include "studies/compare/geometry_passes.h"
 #include "studies/compare/inspected_pair.h"
 #include "studies/compare/surface_edges.h"
 #include "studies/compare/yardstick.h"
@@ -49,7 +50,8 @@ std::string folder_of(std::size_t index) {
 /// A pair and why its pictures differ.
 struct Explained {
   ComparedPair pair;
-  PairCauses causes;
+  std::string missing = {};  ///< of the geometry that tells why; empty: nothing
+  PairCauses causes = {};
 };
 
 class CompareRun {
@@ -80,6 +82,7 @@ class CompareRun {
     folder.keep();
     result["report"] = (out_ / "report.html").string();
     result["folder"] = out_.string();
+    result["timings"] = timings();
     return result;
   }
 
@@ -104,18 +107,8 @@ class CompareRun {
     Progress bar("compare", static_cast<std::int64_t>(count), options_.progress);
     const auto at_once = static_cast<std::size_t>(pool_.num_threads());
     for (std::size_t begin = 0; begin < count; begin += at_once) {
-      const std::size_t size = std::min(at_once, count - begin);
-      auto compared = pool_.map<Explained>(static_cast<std::int64_t>(size), [&](std::int64_t i) {
-        const ComparePair& pair = plan_.pairs[begin + static_cast<std::size_t>(i)];
-        Explained result = {.pair = compare_pair(pair, pair_options_)};
-        check_shows_part(result.pair);
-        result.causes = find_causes(result.pair, camera_);
-        ListedEdges listed = surface_edges(result.pair);
-        result.pair.geometry.edges = std::move(listed.edges);
-        result.pair.geometry.unlisted = listed.unlisted;
-        return result;
-      });
-      for (std::size_t i = 0; i < size; ++i) {
+      std::vector<Explained> compared = compared_from(begin, std::min(at_once, count - begin));
+      for (std::size_t i = 0; i < compared.size(); ++i) {
         add_roughness_to(compared[i]);
         keep(compared[i], stage / folder_of(begin + i));
         bar.update(static_cast<std::int64_t>(begin + i + 1), compared[i].pair.real.source.name);
@@ -123,12 +116,46 @@ class CompareRun {
     }
   }
 
+  std::vector<Explained> compared_from(std::size_t begin, std::size_t size) {
+    const auto count = static_cast<std::int64_t>(size);
+    auto compared = pool_.map<Explained>(count, [&](std::int64_t i) {
+      const ComparePair& pair = plan_.pairs[begin + static_cast<std::size_t>(i)];
+      Explained result = {.pair = compare_pair(pair, pair_options_)};
+      check_shows_part(result.pair);
+      return result;
+    });
+    for (Explained& explained : compared) {  // each by all threads
+      explained.missing = passes_.complete(explained.pair.simulated);
+    }
+    pool_.for_each(count, [&](std::int64_t i) { explain(compared[static_cast<std::size_t>(i)]); });
+    return compared;
+  }
+
+  void explain(Explained& explained) const {
+    explained.causes = find_causes(explained.pair, camera_);
+    if (!explained.missing.empty()) {
+      explained.causes.notes.push_back(explained.missing);
+    }
+    ListedEdges listed = surface_edges(explained.pair);
+    explained.pair.geometry.edges = std::move(listed.edges);
+    explained.pair.geometry.unlisted = listed.unlisted;
+  }
+
   /// Each picture is rendered by all threads.
   void add_roughness_to(Explained& explained) {
     if (options_.has_roughness) {
+      const auto start = std::chrono::steady_clock::now();
       SceneStore store(pool_);
       add_roughness(explained.pair, store, explained.causes);
+      roughness_s_ += seconds_since(start);
     }
+  }
+
+  /// What rendering took, beside what comparing did.
+  Json timings() const {
+    const double all_s = seconds_since(start_);
+    const double render_s = passes_.render_s() + roughness_s_;
+    return {{"this_run_s", all_s}, {"render_s", render_s}, {"compare_s", all_s - render_s}};
   }
 
   void keep(const Explained& explained, const fs::path& folder) {
@@ -220,13 +247,15 @@ class CompareRun {
     run["verb"] = command_of(ResultKind::kCompare);
     run["pairs"] = plan_.pairs.size();
     run["threads"] = options_.threads;
-    run["timings"] = {{"this_run_s", seconds_since(start_)}};
+    run["timings"] = timings();
     write_file(stage / "run.json", run.dump(2) + "\n");
   }
 
   const CompareOptions& options_;
   fs::path out_;
   ThreadPool pool_;
+  GeometryPasses passes_{pool_};
+  double roughness_s_ = 0.0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   ComparePlan plan_;
   PairOptions pair_options_;

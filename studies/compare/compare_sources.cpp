@@ -53,7 +53,6 @@ bool is_view(const fs::path& folder) {
 CompareSource view_source(const fs::path& folder) {
   return {.name = last_name(folder),
           .picture = picture_of_view(folder),
-          .coverage = if_there(folder / "coverage.exr"),
           .geometry = if_there(folder / "geometry.exr"),
           .mask = if_there(folder / "part_mask.png"),
           .scene = if_there(folder / "scene.toml"),

@@ -14,7 +14,6 @@ namespace glint {
 struct CompareSource {
   std::string name;  ///< how it is told apart: "view_03", "img07"
   std::filesystem::path picture;
-  std::filesystem::path coverage = {};  ///< shares of pixels on the part, of a rendered view
   std::filesystem::path geometry = {};  ///< depth, normals and positions, of a rendered view
   std::filesystem::path mask = {};      ///< bright where the part is
   std::filesystem::path scene = {};     ///< what it was rendered from

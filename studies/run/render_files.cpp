@@ -11,8 +11,8 @@
 
 #include "core/file.h"
 #include "core/image/exr_layers.h"
-#include "core/units.h"
 #include "studies/imaging/frame_exposure.h"
+#include "studies/imaging/view_geometry.h"
 #include "studies/run/render_maps.h"
 
 namespace glint {
@@ -150,36 +150,6 @@ void write_coverage(const Film& sums, const fs::path& folder) {
          .fill = fill([&defect](int x, int y) { return static_cast<int>(defect.samples(x, y)); })});
   }
   write_exr_channels(folder / "coverage.exr", sums.width_px, sums.height_px, channels);
-}
-
-ExrChannel number_channel(std::string name, const Image<std::int32_t>& numbers) {
-  return {.name = std::move(name), .fill = [&numbers](int y, float* row) {
-            std::ranges::transform(
-                numbers.row(y), numbers.row(y) + numbers.width(), row, [](std::int32_t number) {
-                  return static_cast<float>(number);
-                });
-          }};
-}
-
-void write_geometry(const Film& sums, const fs::path& folder) {
-  const SurfaceImages surface = surface_images(sums);
-  const auto degrees = [&](int y, float* row) {
-    std::ranges::transform(surface.incidence_rad.row(y),
-                           surface.incidence_rad.row(y) + sums.width_px,
-                           row,
-                           [](float angle) { return angle * static_cast<float>(kDegPerRad); });
-  };
-  const std::vector<ExrChannel> channels = {exr_channel("depth_mm", surface.depth_mm),
-                                            exr_channel("normal.x", surface.normal_x),
-                                            exr_channel("normal.y", surface.normal_y),
-                                            exr_channel("normal.z", surface.normal_z),
-                                            exr_channel("position_mm.x", surface.x_mm),
-                                            exr_channel("position_mm.y", surface.y_mm),
-                                            exr_channel("position_mm.z", surface.z_mm),
-                                            {.name = "incidence_deg", .fill = degrees},
-                                            number_channel("triangle", sums.triangle),
-                                            number_channel("defect", sums.defect)};
-  write_exr_channels(folder / "geometry.exr", sums.width_px, sums.height_px, channels);
 }
 
 /// How much of the view shows a defect, and the window around it.
@@ -362,7 +332,7 @@ ViewPictures write_view_files(const RenderedView& view, const fs::path& folder, 
   write_mask_png(folder / "part_mask.png", view.part_mask);
   write_mask_png(folder / "mask.png", defect_mask(view.seen));
   write_coverage(view.seen, folder);
-  write_geometry(view.seen, folder);
+  write_geometry(view.seen, folder / "geometry.exr");
   pictures.map = defect_map(view.seen, view.part.made);
   write_png(folder / "defects.png", pictures.map);
   if (view.has_light()) {

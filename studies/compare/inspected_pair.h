@@ -17,10 +17,8 @@ namespace glint {
 /// A defect as one side shows it.
 struct SeenDefect {
   bool is_found = false;
-  std::string found_as;  ///< "hole" or "scratch"; empty: missed
-  /// (mean of its pixels - mean of those around it) / mean of those around it, with 95 %; empty
-  /// where too few pixels of either are in the part.
-  std::optional<Estimate> contrast;
+  std::string found_as;              ///< "hole" or "scratch"; empty: missed
+  std::optional<Estimate> contrast;  ///< defect_contrast()
 };
 
 struct InspectedSide {
@@ -36,11 +34,6 @@ struct InspectedPair {
   InspectedSide real;
   std::vector<std::string> notes;
 };
-
-/// Contrast of a known defect in a picture. @param region  the part's pixels; empty: all
-std::optional<Estimate> defect_contrast(const ImageF& picture,
-                                        const Mask& region,
-                                        const KnownDefect& defect);
 
 /// @returns nothing where the simulated side has no truth, or none of its defects is in view
 /// @throws ConfigError, IoError

@@ -102,6 +102,16 @@ double smallest_defect_mm(const CellCoverage& cell,
   return std::max(settings.defect_px * pixel_mm, found_mm);
 }
 
+std::vector<float> smallest_defects_um(const SceneCoverage& covered,
+                                       const CoverageSettings& settings,
+                                       const std::optional<PodReference>& pod) {
+  std::vector<float> sizes;
+  for (const CellCoverage& cell : covered.of_cell) {
+    sizes.push_back(static_cast<float>(1e3 * smallest_defect_mm(cell, settings, pod)));
+  }
+  return sizes;
+}
+
 PodReference read_pod(const fs::path& folder) {
   const fs::path file = folder / "result.json";
   const Json result = Json::parse(read_file(file), nullptr, false);

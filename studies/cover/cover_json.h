@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -27,6 +28,11 @@ std::string view_name(std::size_t viewpoint);
 double smallest_defect_mm(const CellCoverage& cell,
                           const CoverageSettings& settings,
                           const std::optional<PodReference>& pod);
+
+/// The same of all cells [um].
+std::vector<float> smallest_defects_um(const SceneCoverage& covered,
+                                       const CoverageSettings& settings,
+                                       const std::optional<PodReference>& pod);
 
 /// a90 of the best design in the result of a run with [pod]. pixel_mm stays 0.
 /// @param folder  of the run

@@ -180,10 +180,12 @@ std::vector<CoveragePicture> draw_coverage(const SceneCoverage& covered, ThreadP
   return pictures;
 }
 
-std::string coverage_ply(const SceneCoverage& covered) {
+std::string coverage_ply(const SceneCoverage& covered, std::span<const float> smallest_um) {
   const TriangleMesh& cells = covered.cells.mesh;
   TriangleMesh mesh;
   std::vector<std::int32_t> views;
+  std::vector<float> incidence_deg;
+  std::vector<float> lit_shares;
   std::vector<VertexColour> colours;
   for (std::size_t i = 0; i < cells.num_triangles(); ++i) {
     const auto first = static_cast<std::int32_t>(mesh.vertices_mm.size());
@@ -192,9 +194,16 @@ std::string coverage_ply(const SceneCoverage& covered) {
       mesh.vertices_mm.push_back(cells.vertex(i, corner));
       colours.push_back(coverage_colour(covered.of_cell[i]));
     }
-    views.push_back(covered.of_cell[i].views);
+    const CellCoverage& cell = covered.of_cell[i];
+    views.push_back(cell.views);
+    incidence_deg.push_back(cell.incidence_rad * static_cast<float>(kDegPerRad));
+    lit_shares.push_back(cell.lit_share);
   }
-  return ply_bytes(mesh, {.name = "views", .values = views}, colours);
+  const std::array<FaceNumbers, 3> numbers = {
+      {{.name = "smallest_defect_um", .values = smallest_um},
+       {.name = "incidence_deg", .values = incidence_deg},
+       {.name = "lit_share", .values = lit_shares}}};
+  return ply_bytes(mesh, {.name = "views", .values = views}, colours, numbers);
 }
 
 }  // namespace glint

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,7 +42,9 @@ struct CoveragePicture {
 /// From around the part, and from where most of the largest gap is seen, if there is one.
 std::vector<CoveragePicture> draw_coverage(const SceneCoverage& covered, ThreadPool& pool);
 
-/// A PLY whose vertices have colours and whose faces have the number of views that inspect them.
-std::string coverage_ply(const SceneCoverage& covered);
+/// A PLY whose vertices have colours and whose faces have the number of views that inspect them,
+/// `smallest_defect_um`, `incidence_deg` and `lit_share`.
+/// @param smallest_um  one of smallest_defects_um() for each cell
+std::string coverage_ply(const SceneCoverage& covered, std::span<const float> smallest_um);
 
 }  // namespace glint

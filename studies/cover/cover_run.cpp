@@ -46,7 +46,7 @@ class CoverRun {
     OutputFolder folder(options_.out);
     remove_stale_stages(options_.out);
     StagedFolder stage(options_.out, "");
-    write(stage.path(), covered, result);
+    write(stage.path(), covered, pod, result);
     stage.commit();
     folder.keep();
     result["folder"] = options_.out.string();
@@ -79,8 +79,12 @@ class CoverRun {
     }
   }
 
-  void write(const fs::path& stage, const SceneCoverage& covered, const Json& result) {
-    write_file(stage / "coverage.ply", coverage_ply(covered));
+  void write(const fs::path& stage,
+             const SceneCoverage& covered,
+             const std::optional<PodReference>& pod,
+             const Json& result) {
+    write_file(stage / "coverage.ply",
+               coverage_ply(covered, smallest_defects_um(covered, study_.scene.coverage, pod)));
     write_file(stage / "views.csv", views_csv(covered));
     write_file(stage / "result.json", result.dump(2) + "\n");
     write_file(stage / "study.resolved.toml", resolved_text(study_));

@@ -82,6 +82,7 @@ class Covering {
   struct Look {
     CellState state = CellState::kUnseen;
     float pixel_mm = 0.0F;
+    float lit_share = 0.0F;
   };
 
   std::vector<Look> look_from(const Viewpoint& viewpoint) {
@@ -93,7 +94,7 @@ class Covering {
     }
     std::vector<Look> looks;
     std::ranges::transform(cells, std::back_inserter(looks), [](const ViewCell& cell) {
-      return Look{.state = cell.state, .pixel_mm = cell.pixel_mm};
+      return Look{.state = cell.state, .pixel_mm = cell.pixel_mm, .lit_share = cell.lit_share};
     });
     return looks;
   }
@@ -115,6 +116,7 @@ class Covering {
     const std::vector<PlaceLight> lights =
         light_of_places(store_, scene_, viewpoint, places, scene_.coverage.samples);
     for (std::size_t i = 0; i < lights.size(); ++i) {
+      cells[numbers[i]].lit_share = static_cast<float>(lights[i].lit_share);
       cells[numbers[i]].state = state_in_light(lights[i], scene_.coverage);
     }
   }
@@ -144,16 +146,22 @@ class Covering {
   void judge_cell(std::size_t cell) {
     CellCoverage& all = result_.of_cell[cell];
     std::vector<Vector3d> directions;
+    double straightest = 0.0;
     for (const std::size_t view : result_.used) {
       const Look& look = views_[view][cell];
       all.state = std::max(all.state, look.state);
+      all.lit_share = std::max(all.lit_share, look.lit_share);
       if (look.state == CellState::kInspected) {
         all.pixel_mm = all.views == 0 ? look.pixel_mm : std::min(all.pixel_mm, look.pixel_mm);
         ++all.views;
         const std::vector<double>& position = result_.viewpoints[view].position_mm;
         const Vector3d camera_mm(position[0], position[1], position[2]);
         directions.push_back((camera_mm - result_.cells.points_mm[cell]).normalized());
+        straightest = std::max(straightest, directions.back().dot(result_.cells.normals[cell]));
       }
+    }
+    if (all.views > 0) {
+      all.incidence_rad = static_cast<float>(std::acos(std::min(straightest, 1.0)));
     }
     all.separated = separated_count(directions, scene_.coverage.separation_rad, kLargestK);
   }

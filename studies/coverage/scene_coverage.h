@@ -37,6 +37,8 @@ struct CellCoverage {
   std::int32_t views = 0;                ///< that inspect it
   std::int32_t separated = 0;            ///< of these from directions far enough apart
   float pixel_mm = 0.0F;                 ///< of the finest view that inspects it; 0: none does
+  float incidence_rad = 0.0F;  ///< of the straightest view that inspects it; 0 where none does
+  float lit_share = 0.0F;      ///< the largest PlaceLight::lit_share of all views; 0: no light
 };
 
 struct SceneCoverage {

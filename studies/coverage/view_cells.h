@@ -37,7 +37,8 @@ std::string_view state_name(CellState state);
 /// A cell that a view sees well by geometry alone.
 struct ViewCell {
   CellState state = CellState::kUnseen;
-  float pixel_mm = 0.0F;  ///< of the surface in one pixel, the longer way
+  float pixel_mm = 0.0F;   ///< of the surface in one pixel, the longer way
+  float lit_share = 0.0F;  ///< PlaceLight::lit_share; 0: light was not looked at
   Eigen::Vector2f pixel_px = Eigen::Vector2f::Zero();
 };
 

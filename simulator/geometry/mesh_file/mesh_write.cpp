@@ -47,10 +47,16 @@ std::string stl_bytes(const TriangleMesh& mesh) {
 
 std::string ply_bytes(const TriangleMesh& mesh,
                       const FaceValues& values,
-                      std::span<const VertexColour> colours) {
+                      std::span<const VertexColour> colours,
+                      std::span<const FaceNumbers> numbers) {
   const bool has_values = !values.values.empty();
   GLINT_CHECK(!has_values || values.values.size() == mesh.num_triangles(), "one value a face");
   GLINT_CHECK(colours.empty() || colours.size() == mesh.vertices_mm.size(), "one colour a vertex");
+  std::string properties = has_values ? fmt::format("property int {}\n", values.name) : "";
+  for (const FaceNumbers& property : numbers) {
+    GLINT_CHECK(property.values.size() == mesh.num_triangles(), "one number a face");
+    properties += fmt::format("property float {}\n", property.name);
+  }
   std::string out = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment unit mm, written by Glint\n"
       "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n{}"
@@ -58,7 +64,7 @@ std::string ply_bytes(const TriangleMesh& mesh,
       mesh.vertices_mm.size(),
       colours.empty() ? "" : "property uchar red\nproperty uchar green\nproperty uchar blue\n",
       mesh.num_triangles(),
-      has_values ? fmt::format("property int {}\n", values.name) : "");
+      properties);
   for (std::size_t i = 0; i < mesh.vertices_mm.size(); ++i) {
     for (const double value : mesh.vertices_mm[i]) {
       append(out, value);
@@ -74,6 +80,9 @@ std::string ply_bytes(const TriangleMesh& mesh,
     }
     if (has_values) {
       append(out, values.values[i]);
+    }
+    for (const FaceNumbers& property : numbers) {
+      append(out, property.values[i]);
     }
   }
   return out;

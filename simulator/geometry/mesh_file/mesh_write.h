@@ -25,15 +25,23 @@ struct FaceValues {
   std::span<const std::int32_t> values = {};  ///< one a face; empty: no such property
 };
 
+/// A number for every face.
+struct FaceNumbers {
+  std::string_view name;
+  std::span<const float> values;  ///< one a face
+};
+
 /// Red, green and blue of a vertex, as a screen shows them.
 using VertexColour = std::array<std::uint8_t, 3>;
 
 /// The bytes of write_mesh() for .stl, and for .ply with properties more.
 /// @param colours  one a vertex; empty: no such properties
+/// @param numbers  further properties of faces
 std::string stl_bytes(const TriangleMesh& mesh);
 std::string ply_bytes(const TriangleMesh& mesh,
                       const FaceValues& values = {},
-                      std::span<const VertexColour> colours = {});
+                      std::span<const VertexColour> colours = {},
+                      std::span<const FaceNumbers> numbers = {});
 
 /// Lines of an OBJ file: all vertices; one face.
 void append_obj_vertices(std::string& text, const TriangleMesh& mesh);

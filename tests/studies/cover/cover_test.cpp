@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -80,6 +85,12 @@ TEST_F(CoverStudy, TellsWhatTheViewsInspect) {
   EXPECT_NEAR(result["views"][1]["adds"].get<double>(), 2400.0 / 5200.0, 1e-3);
   EXPECT_NEAR(result["largest_gap_mm2"].get<double>(), 400.0, 5.0);  // the rim, all around
   EXPECT_EQ(result["largest_gap"]["mostly"], "unseen");
+  // The rim's middle is that of the plate; nearest to it are the middles of the long sides.
+  const Json& place = result["largest_gap"]["place_mm"];
+  EXPECT_NEAR(place[0].get<double>(), 0.0, 2.0);
+  EXPECT_NEAR(std::abs(place[1].get<double>()), 20.0, 1e-3);
+  EXPECT_NEAR(
+      result["largest_gap"]["normal"][1].get<double>() * place[1].get<double>(), 20.0, 1e-3);
   // 3 pixels of 0.4 mm 299 / 300 at least, a little more at the corners.
   EXPECT_NEAR(result["smallest_defect"]["median_um"].get<double>(), 1200.0, 10.0);
 }
@@ -100,13 +111,56 @@ TEST_F(CoverStudy, WritesItsFiles) {
   EXPECT_EQ(Json::parse(read_file(out / "run.json"))["verb"], "cover");
   const TriangleMesh mesh = read_mesh(out / "coverage.ply");
   EXPECT_EQ(mesh.num_triangles(), result["points"].get<std::size_t>());
-  EXPECT_THAT(read_file(out / "coverage.ply"), HasSubstr("property uchar red"));
+  EXPECT_THAT(read_file(out / "coverage.ply"),
+              AllOf(HasSubstr("property uchar red"),
+                    HasSubstr("property int views\nproperty float smallest_defect_um\n"
+                              "property float incidence_deg\nproperty float lit_share\n")));
   const Json page = test::page_data(read_file(out / "report.html"));
   EXPECT_EQ(page["coverage"]["views"].size(), 2U);
   EXPECT_EQ(page["coverage"]["pictures"].size(), 5U);
   EXPECT_THAT(page["verdict"]["sentence"].get<std::string>(),
               HasSubstr("92.3 % of the surface is inspected by 2 views"));
   EXPECT_THAT(read_file(out / "study.resolved.toml"), HasSubstr("[coverage]"));
+}
+
+/// One face's properties in coverage.ply.
+struct CoveredFace {
+  std::int32_t views = 0;
+  float smallest_um = 0.0F;
+  float incidence_deg = 0.0F;
+  float lit_share = 0.0F;
+};
+
+/// Faces of 1 + 3 x 4 bytes of corners and 4 x 4 bytes of properties.
+std::vector<CoveredFace> covered_faces(const std::string& ply, std::size_t count) {
+  constexpr std::size_t kCorners = 13;
+  constexpr std::size_t kFace = kCorners + sizeof(CoveredFace);
+  std::vector<CoveredFace> faces(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = ply.size() - (count - i) * kFace + kCorners;
+    std::memcpy(&faces[i], ply.data() + at, sizeof(CoveredFace));
+  }
+  return faces;
+}
+
+// The upper camera's axis is (0, 0, -1); a plate's corner at (30, 20) mm lies atan(36.1 / 299) =
+// 6.9 degrees beside it. A pixel there is 0.4 mm 299 / 300 in the middle.
+TEST_F(CoverStudy, WritesTheSmallestDefectOfEachFace) {
+  const Json result = cover(kPlate);
+  const auto faces =
+      covered_faces(read_file(folder_ / "out/coverage.ply"), result["points"].get<std::size_t>());
+  std::size_t inspected = 0;
+  for (const CoveredFace& face : faces) {
+    ASSERT_TRUE(face.views == 0 || face.views == 1);
+    EXPECT_NEAR(face.smallest_um, face.views == 0 ? 0.0 : 1200.0, 15.0);
+    EXPECT_LE(face.incidence_deg, 7.0);
+    EXPECT_EQ(face.lit_share, face.views == 0 ? 0.0F : 1.0F);
+    inspected += face.views > 0 ? 1U : 0U;
+  }
+  EXPECT_NEAR(
+      static_cast<double>(inspected), 4800.0 / 5200.0 * static_cast<double>(faces.size()), 20.0);
+  const auto steepest = std::ranges::max(faces, {}, &CoveredFace::incidence_deg);
+  EXPECT_GT(steepest.incidence_deg, 6.0);
 }
 
 TEST_F(CoverStudy, GivesTheSameBytesAgain) {
@@ -141,6 +195,10 @@ TEST_F(CoverStudy, FollowsAStudyOfDetection) {
   const Json result = cover(kPlate, folder_ / "pod");
   EXPECT_EQ(result["pod"]["design"], "best");
   EXPECT_NEAR(result["smallest_defect"]["median_um"].get<double>(), 4000.0, 40.0);
+  const auto faces =
+      covered_faces(read_file(folder_ / "out/coverage.ply"), result["points"].get<std::size_t>());
+  const auto finest = std::ranges::max(faces, {}, &CoveredFace::smallest_um);
+  EXPECT_NEAR(finest.smallest_um, 4000.0, 60.0);
 }
 
 TEST_F(CoverStudy, RefusesAStudyOfDetectionThatIsNone) {

@@ -22,6 +22,7 @@ fuzz           - each fuzzer for a minute
 slow           - tests labelled slow, but those below
 slow_search    - the searches of the gallery again, from their study files
 slow_golden    - every file that the studies of the gallery write, against its digest
+slow_changes   - two hundred known changes that glint compare names; goes on where it was when it is run again
 slow_stranger  - eleven parts that no study was made for: glint new, glint run, the verdict
 '
 
@@ -131,6 +132,20 @@ deep_slow_search() {
 
 deep_slow_golden() {
   build_preset dev && run_tests dev -R "$golden_tests"
+}
+
+# Cases take hours: at most 35 minutes of them at a time, what was said of each is kept for this build.
+deep_slow_changes() {
+  build_preset dev || return
+  local cases=200 state status=0
+  state=$root/build/deep/changes_$(sha256sum "$root/build/dev/glint" | cut -c1-16).jsonl
+  GLINT_COMPARE_CASES=$cases GLINT_COMPARE_BUDGET_S=2100 GLINT_COMPARE_STATE=$state \
+    "$root/build/dev/tests/cli/test_cli_compare_changes" --gtest_filter=KnownChanges.AreNamedWithHonestSigmas || status=1
+  if (($(wc -l <"$state") < cases)); then
+    echo "$(wc -l <"$state") of $cases cases are done: run slow_changes again" >&2
+    return 1
+  fi
+  return "$status"
 }
 
 deep_slow_stranger() {

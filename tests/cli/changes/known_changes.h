@@ -44,10 +44,11 @@ inline const std::vector<Change>& known_changes() {
 
 /// What was said of one case.
 struct CaseVerdict {
-  int named = 0;             ///< of the changes, itself or a group that it is in
-  int others = 0;            ///< causes that are none of the changes
-  std::vector<double> off;   ///< value minus truth over sigma, of those named by themselves
-  std::vector<double> over;  ///< sigma over the Cramer-Rao bound, of the same
+  int named = 0;            ///< of the changes, itself or a group that it is in
+  int others = 0;           ///< causes that are none of the changes
+  std::vector<double> off;  ///< value minus truth over sigma, of those named by themselves
+  std::vector<double> gain_off = {};  ///< the same of the gain, where it was changed and named
+  std::vector<double> over;           ///< sigma over the Cramer-Rao bound, of the same
   /// The same over the bound that holds while the partners of a group are free, too; beside no
   /// group both are equal.
   std::vector<double> over_open;
@@ -58,8 +59,9 @@ class ChangedGear {
  public:
   /// @param width_px  of a picture of the same field, 612 : 512
   /// @param change  of a key of the scene; empty: none
-  ChangedGear(int width_px, int samples, const std::string& change = "")
-      : width_px_(width_px), samples_(samples) {
+  /// @param distance  of the camera, in those of the gallery: at 0.8 the gear fills the picture
+  ChangedGear(int width_px, int samples, const std::string& change = "", double distance = 1.0)
+      : width_px_(width_px), samples_(samples), distance_(distance) {
     if (!change.empty()) {
       set(change);
     }
@@ -73,10 +75,13 @@ class ChangedGear {
 
   /// Causes between the scene and the same with the changes, which changed.toml holds.
   /// @param options  further ones of `glint compare`
+  /// @param gain  of the changed picture's sensor over the scene's
   nlohmann::json causes_of(std::span<const Change> changes,
                            int seed,
-                           const Arguments& options = {}) {
+                           const Arguments& options = {},
+                           double gain = 1.0) {
     PairCauses causes = {.edges = CauseFit{}};
+    causes.gain = gain;
     for (const Change& change : changes) {
       causes.edges->changes[static_cast<std::size_t>(change.parameter)] = change.value;
       causes.edges->causes.push_back({.parameter = change.parameter, .value = change.value});
@@ -106,9 +111,9 @@ class ChangedGear {
 
   /// The scene is rendered anew, too: one simulated picture's noise would be an error that all
   /// cases have in common.
-  CaseVerdict verdict_of(std::span<const Change> changes, int seed) {
+  CaseVerdict verdict_of(std::span<const Change> changes, int seed, double gain = 1.0) {
     render("gear.toml", "base", 1000 + seed);
-    const nlohmann::json causes = causes_of(changes, seed);
+    const nlohmann::json causes = causes_of(changes, seed, {}, gain);
     const std::vector<double> bounds = bounds_of(changes);
     const std::vector<double> open = bounds_of(with_partners(changes, causes));
     CaseVerdict verdict;
@@ -131,6 +136,7 @@ class ChangedGear {
       }
     }
     verdict.others = std::max(0, static_cast<int>(of_edges) - verdict.named);
+    add_gain(causes, gain, verdict);
     return verdict;
   }
 
@@ -154,6 +160,20 @@ class ChangedGear {
   }
 
  private:
+  static void add_gain(const nlohmann::json& causes, double gain, CaseVerdict& verdict) {
+    const nlohmann::json cause = named(causes, "gain");
+    if (cause.is_null()) {
+      return;
+    }
+    if (gain == 1.0) {
+      ++verdict.others;
+      return;
+    }
+    ++verdict.named;
+    verdict.gain_off.push_back((cause["value"].get<double>() - gain) /
+                               cause["sigma"].get<double>());
+  }
+
   /// And all that the causes cannot be told from.
   static std::vector<Change> with_partners(std::span<const Change> changes,
                                            const nlohmann::json& causes) {
@@ -176,7 +196,7 @@ class ChangedGear {
         "schema = 1\ninclude = [\"{}/studies/gallery/viewpoints/scene.toml\"]\n"
         "[camera]\nwidth_px = {}\nheight_px = {}\npixel_um = {}\n"
         "[viewpoints]\nsource = \"listed\"\n"
-        "[[viewpoint]]\nposition_mm = [124.669, 45.529, -60.833]\n"
+        "[[viewpoint]]\nposition_mm = [{}, {}, {}]\n"
         "direction = [-0.8539, -0.31184, 0.41667]\nup = [0, 0, 1]\n"
         "[sensor]\nfull_well_e = 10000\nread_noise_e = 10\nblur_px = 0.8\n"
         "[render.paths]\nsamples = {}\n",
@@ -184,6 +204,9 @@ class ChangedGear {
         width_px_,
         height,
         13.8 * 612.0 / width_px_,
+        124.669 * distance_,
+        45.529 * distance_,
+        -60.833 * distance_,
         samples_);
   }
 
@@ -207,6 +230,9 @@ class ChangedGear {
   /// them tell what n / 3 independent ones do; and greys beside an edge, were they known, would
   /// halve the variance (LocateEdges.OfAWholeEdgeAreNearlyAsGoodAsItsPixelsAllow).
   std::vector<double> bounds_of(std::span<const Change> changes) const {
+    if (changes.empty()) {
+      return {};
+    }
     const ComparedPair pair = pair_with("changed/baseline");
     const PairCauses causes = find_causes(pair);
     const std::vector<SpaceEdge> edges = space_edges(pair, scene_);
@@ -247,6 +273,7 @@ class ChangedGear {
   TemporaryFolder folder_;
   int width_px_;
   int samples_;
+  double distance_;
   SceneSettings scene_;
   Eigen::Vector3d middle_mm_ = Eigen::Vector3d::Zero();  ///< of what is seen; turns are about it
   nlohmann::json last_pair_;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `glint compare`: pictures drawn here, and views that the program rendered.
+#include <algorithm>
 #include <filesystem>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,6 +17,7 @@ namespace glint::test {
 namespace {
 
 using Json = nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
 
@@ -84,6 +87,130 @@ TEST_F(CompareVerb, RefusesWithOneLineAndNoFolder) {
   refused(
       {"compare", "simulated.png", "simulated.png", "--outline", "line", "--quiet", "--out", "out"},
       "--outline: is line, must be auto, threshold, grab_cut or inner");
+}
+
+/// A plate of rough metal with a dent under a ring, 80 x 60 px in a picture of 120 x 90.
+constexpr const char* kDentedPlate = R"(schema = 1
+[part]
+shape = "plate"
+length_mm = 16
+width_mm = 12
+[material]
+type = "conductor"
+roughness = 0.3
+[camera]
+width_px = 120
+height_px = 90
+object_pixel_mm = 0.2
+working_distance_mm = 100
+[sensor]
+exposure = 0.5
+bits = 12
+full_well_e = 10000
+[render.paths]
+samples = 64
+max_reflections = 1
+[lighting.ring]
+mount = "camera"
+[defects.dent]
+diameter_mm = 3
+height_um = 100
+)";
+
+/// Whether a cause, or one that it cannot be told from, has that name.
+bool is_told(const Json& causes, const std::string& name) {
+  return std::ranges::any_of(causes, [&](const Json& cause) {
+    const Json group = cause.value("group", Json::array());
+    return cause["name"] == name || std::ranges::count(group, Json(name)) > 0;
+  });
+}
+
+class ComparedDesign : public CompareVerb {
+ protected:
+  void SetUp() override {
+    write_file(folder_ / "study.toml",
+               std::string(kDentedPlate) +
+                   "[variables]\n\"lighting.ring.height_mm\" = { min = 40, max = 90 }\n"
+                   "[objective]\nmaximise = \"defects.min_cnr\"\n[budget]\nevaluations = 2\n");
+    call({"run", "study.toml", "--quiet", "--out", "run"});
+    call({"render",
+          "run/best/scene.toml",
+          "--set",
+          "camera.center_x_px=62",
+          "--set",
+          "sensor.seed=9",
+          "--quiet",
+          "--out",
+          "photo"});
+  }
+
+  void call(const Arguments& arguments) const {
+    const ProgramResult result = glint_in(folder_, arguments);
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+
+  Json compared() const {
+    return json_of(folder_, {"compare", "run/best", "photo/baseline/image.tif", "--out", "out"});
+  }
+};
+
+// A run leaves no geometry.exr: it is rendered. The camera's centre lies 2 px to the right.
+TEST_F(ComparedDesign, HasNamedEdgesAndCauses) {
+  ASSERT_FALSE(std::filesystem::exists(folder_ / "run/best/geometry.exr"));
+  const Json result = compared();
+  const Json& pair = result["pairs"][0];
+  ASSERT_FALSE(pair["edges"].empty());
+  for (const Json& edge : pair["edges"]) {
+    EXPECT_TRUE(edge.contains("surface")) << edge;
+  }
+  EXPECT_EQ(pair["edges"][0].value("beyond", ""), "background") << pair["edges"];
+  EXPECT_TRUE(is_told(pair["causes"], "centre_x")) << pair["causes"] << pair["notes"];
+  const Json& timings = result["timings"];
+  EXPECT_GT(timings["render_s"].get<double>(), 0.0);
+  EXPECT_NEAR(timings["this_run_s"].get<double>(),
+              timings["render_s"].get<double>() + timings["compare_s"].get<double>(),
+              1e-9);
+  const Json run = Json::parse(read_file(folder_ / "out/run.json"));
+  EXPECT_GT(run["timings"]["render_s"].get<double>(), 0.0);
+}
+
+TEST_F(ComparedDesign, SaysWhyItHasNoGeometry) {
+  const auto scene = folder_ / "run/best/scene.toml";
+  write_file(scene, edited(read_file(scene), {{"width_px = 120", "width_px = 124"}}));
+  const Json result = compared();
+  EXPECT_THAT(result["pairs"][0]["notes"].dump(),
+              AllOf(HasSubstr("run/best has no geometry.exr"), HasSubstr("124 x 90 pixels")));
+  EXPECT_FALSE(is_told(result["pairs"][0]["causes"], "centre_x"));
+}
+
+// The photographed plate is sound: its dent is seen in the simulated picture alone.
+TEST_F(CompareVerb, TellsADefectThatOneSideAloneShows) {
+  const std::string dented = kDentedPlate;
+  write_file(folder_ / "dented.toml", dented);
+  write_file(folder_ / "sound.toml", dented.substr(0, dented.find("[defects.dent]")));
+  for (const std::string name : {"dented", "sound"}) {
+    const ProgramResult result =
+        glint_in(folder_, {"render", name + ".toml", "--quiet", "--out", name});
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+  const Json result =
+      json_of(folder_, {"compare", "dented/baseline", "sound/baseline", "--out", "out"});
+  EXPECT_EQ(result["timings"]["render_s"], 0.0);
+  const Json& inspection = result["pairs"][0]["inspection"];
+  EXPECT_EQ(inspection["simulated"]["found"], 1) << inspection;
+  EXPECT_EQ(inspection["simulated"]["missed"], 0);
+  EXPECT_EQ(inspection["real"]["found"], 0) << inspection;
+  EXPECT_EQ(inspection["real"]["missed"], 1);
+  ASSERT_EQ(inspection["defects"].size(), 1U);
+  const Json& defect = inspection["defects"][0];
+  EXPECT_TRUE(defect["simulated"]["found"].get<bool>());
+  EXPECT_FALSE(defect["real"]["found"].get<bool>());
+  EXPECT_TRUE(defect["real"]["found_as"].is_null());
+  const Json& shown = defect["simulated"]["contrast"];
+  const Json& none = defect["real"]["contrast"];
+  EXPECT_TRUE(shown["low"].get<double>() > none["high"].get<double>() ||
+              shown["high"].get<double>() < none["low"].get<double>())
+      << defect;
 }
 
 // The same bytes for any number of threads.

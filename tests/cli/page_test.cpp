@@ -37,6 +37,16 @@ std::string output_of(const std::string& command) {
   return text;
 }
 
+/// What tests/cli/printed_page.mjs tells of a page on paper.
+Json printed(const std::filesystem::path& page) {
+  const std::string command =
+      fmt::format("node '" GLINT_SOURCE_DIR "/tests/cli/printed_page.mjs' {} '{}'",
+                  kBrowser,
+                  fs::absolute(page).string());
+  const std::string text = output_of(command);
+  return Json::parse(text, nullptr, false);
+}
+
 class Page : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -64,6 +74,15 @@ class Page : public ::testing::Test {
     return text.substr(0, text.find("id=\"data\""));  // without the data, which hold every text
   }
 
+  /// On paper nothing lies over anything.
+  void expect_printed(const std::string& page, int most_pages) const {
+    const Json paper = printed(folder_ / page);
+    ASSERT_TRUE(paper.is_object()) << page;
+    EXPECT_LE(paper["pages"], most_pages) << page;
+    EXPECT_GT(paper["boxes"], 20) << page;
+    EXPECT_EQ(paper["overlaps"], Json::array()) << page;
+  }
+
   TemporaryFolder folder_;
 };
 
@@ -80,7 +99,11 @@ TEST_F(Page, OfAComparisonIsDrawn) {
                     HasSubstr("<h4>Region by region</h4>"),
                     HasSubstr("Offset of edges against the radius"),
                     HasSubstr("Photographs among each other"),
+                    HasSubstr("class=\"blink\">Blink</button>"),
+                    HasSubstr("<input type=\"range\""),
+                    HasSubstr("of full scale</span>"),
                     HasSubstr("<path")));
+  expect_printed("compared/report.html", 6);
 }
 
 TEST_F(Page, OfACoverageIsDrawn) {
@@ -101,6 +124,7 @@ TEST_F(Page, OfACoverageIsDrawn) {
               AllOf(HasSubstr("The part, coloured by what inspects it"),
                     HasSubstr("What each view adds"),
                     HasSubstr("<img")));
+  expect_printed("covered/report.html", 6);
 }
 
 TEST_F(Page, OfARunAndOfItsInspectionIsDrawn) {
@@ -113,16 +137,6 @@ TEST_F(Page, OfARunAndOfItsInspectionIsDrawn) {
               AllOf(HasSubstr("<h2>What was found</h2>"),
                     HasSubstr("Pixels by response"),
                     HasSubstr("<polygon")));
-}
-
-/// What tests/cli/printed_page.mjs tells of a page on paper.
-Json printed(const std::filesystem::path& page) {
-  const std::string command =
-      fmt::format("node '" GLINT_SOURCE_DIR "/tests/cli/printed_page.mjs' {} '{}'",
-                  kBrowser,
-                  fs::absolute(page).string());
-  const std::string text = output_of(command);
-  return Json::parse(text, nullptr, false);
 }
 
 // Baseline, winner and three prototypes, with all their scores, folded, and a resolved TOML.

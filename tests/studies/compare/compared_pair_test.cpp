@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "studies/compare/causes.h"
+#include "studies/compare/compare_page.h"
 #include "studies/compare/grab_cut.h"
 #include "tests/studies/compare/compare_fixture.h"
 
@@ -45,15 +46,20 @@ TEST_F(ComparePairTest, MeasuresAScale) {
   EXPECT_GT(pair.geometry.distance.offset_px, 0.2);
 }
 
-TEST_F(ComparePairTest, MeasuresAShiftAlongNormals) {
-  const ComparedPair pair = compare(drawn_blade(), drawn_blade({.shift_x_px = 0.8, .index = 1}));
+/// Least squares of the offsets along the normals.
+double shift_x_px(const ComparedPair& pair) {
   double along = 0.0;
   double weight = 0.0;
   for (const EdgeOffset& edge : pair.geometry.offsets) {
     along += edge.offset_px * edge.normal.x();
     weight += edge.normal.x() * edge.normal.x();
   }
-  EXPECT_NEAR(along / weight, 0.8, 0.03);
+  return along / weight;
+}
+
+TEST_F(ComparePairTest, MeasuresAShiftAlongNormals) {
+  const ComparedPair pair = compare(drawn_blade(), drawn_blade({.shift_x_px = 0.8, .index = 1}));
+  EXPECT_NEAR(shift_x_px(pair), 0.8, 0.03);
   EXPECT_NEAR(pair.geometry.distance.offset_px, 0.0, 0.03);
 }
 
@@ -124,6 +130,46 @@ TEST_F(ComparePairTest, FindsAPartThatIsDarkerThanItsBackground) {
   EXPECT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGrabCut);
   EXPECT_GE(pair.geometry.iou.value(), 0.99);
   EXPECT_LE(pair.geometry.distance.mean_px, 0.1);
+}
+
+/// Five times as large in a picture that is segmented at a quarter of its size.
+ImageF large_blade(double shift_px, double dark, double bright) {
+  ImageF picture = drawn(2400, 640, [=](double x, double y) {
+    const double u = x - 1200.0 - shift_px;
+    const double v = y - 320.0;
+    const double disc = std::hypot(u + 300.0, v) - 190.0;
+    const double bar = std::fmax(std::abs(u - 200.0) - 400.0, std::abs(v + 70.0) - 45.0);
+    const double share = 0.5 * std::erfc(std::fmin(disc, bar) / (std::sqrt(2.0) * 0.6));
+    return dark + (bright - dark) * share;
+  });
+  add_normal_noise(picture, 0.004, 3);
+  return picture;
+}
+
+TEST_F(ComparePairTest, FindsALargePartByACutOfAQuarterOfItsSize) {
+  const ComparedPair pair = compare(large_blade(0.0, 0.05, 0.6),
+                                    large_blade(1.5, 0.7, 0.1),
+                                    {.outline = OutlineChoice::kGrabCut});
+  EXPECT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGrabCut);
+  EXPECT_NEAR(shift_x_px(pair), 1.5, 0.05);
+  EXPECT_GE(pair.geometry.distance.share, 0.95);
+}
+
+// A part of grey 0.6 under 60 % of red (0.86, 0.16, 0.12), the ground beside it grey as it is.
+TEST_F(ComparePairTest, IsShownAsRedOnThePhotograph) {
+  const ComparedPair pair = compare(drawn_blade(), drawn_blade({.shift_x_px = 6.0, .index = 1}));
+  const ImageRgb overlay = overlay_of(pair);
+  const auto& on = overlay(80, 80);
+  EXPECT_GT(on[0], on[1] + 80);
+  EXPECT_NEAR(on[0] - on[2], 255.0 * 0.6 * (0.86 - 0.12), 2.0);
+  EXPECT_NEAR(on[1] - on[2], 255.0 * 0.6 * (0.16 - 0.12), 2.0);
+  const auto& beside = overlay(180, 140);
+  EXPECT_EQ(beside[0], beside[1]);
+  EXPECT_EQ(beside[1], beside[2]);
+  // Of the photograph's part alone, 3 px beyond the simulated bar's end: bright, and not red.
+  const auto& beyond = overlay(173, 66);
+  EXPECT_EQ(beyond[0], beyond[2]);
+  EXPECT_GT(beyond[0], 100);
 }
 
 TEST_F(ComparePairTest, TakesAGivenMask) {

@@ -86,6 +86,7 @@ struct BoardEdges {
   std::vector<EdgeOffset> offsets;
   double sum_px = 0.0;
   double points = 0.0;
+  double share = 0.0;  ///< of edges on either side with a counterpart, summed over the pictures
   int compared = 0;
 
   double mean_px() const { return sum_px / points; }
@@ -108,6 +109,7 @@ BoardEdges edges_of(const PhotographedBoard& photographs) {
     EXPECT_LT(distance.mean_px, 3.0) << i;
     edges.sum_px += distance.mean_px * static_cast<double>(distance.points);
     edges.points += static_cast<double>(distance.points);
+    edges.share += distance.share;
     ++edges.compared;
     for (const BoundaryGap& gap : gaps_between(simulated, real)) {
       edges.offsets.push_back(
@@ -126,6 +128,12 @@ TEST(RealBoard, EdgesOfRenderedSquaresLieOnThePhotographedOnes) {
   const BoardEdges edges = edges_of(photographs);
   EXPECT_GE(edges.compared, 15);
   RecordProperty("mean_px", fmt::format("{:.3f}", edges.mean_px()));
+  const double share = edges.share / edges.compared;
+  std::printf("%d pictures, %.3f px, %.1f %% of the edges\n",
+              edges.compared,
+              edges.mean_px(),
+              100.0 * share);
+  EXPECT_GE(share, 0.8);
   EXPECT_LE(edges.mean_px(), 0.35);
   const RingOffsets rings = ring_offsets(edges.offsets, {960.0, 600.0});
   ASSERT_TRUE(rings.has_slopes);

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/compare/roughness_cause.h"
+
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "core/config/toml.h"
+#include "simulator/sensor/sensor.h"
+#include "studies/imaging/path_picture.h"
+
+namespace glint::compare_detail {
+namespace {
+
+/// A plate of rough metal that fills the picture, under a bar from one side: its gloss fades
+/// across.
+SceneSettings metal_plate(int width_px, double roughness) {
+  const std::string text = fmt::format(
+      "schema = 1\n"
+      "[part]\nshape = \"plate\"\nlength_mm = 60\nwidth_mm = 20\nthickness_mm = 2\n"
+      "[material]\ntype = \"conductor\"\nroughness = {}\n"
+      "[camera]\nwidth_px = {}\nheight_px = {}\nobject_pixel_mm = {}\n"
+      "working_distance_mm = 100\n"
+      "[lighting.bar]\nposition_mm = [0, 25, 90]\ndirection = [0, -0.25, -0.9]\n"
+      "[sensor]\nexposure = 0.3\nbits = 12\n"
+      "[render.paths]\nsamples = 32\nmax_reflections = 1\n",
+      roughness,
+      width_px,
+      width_px / 5,
+      50.0 / width_px);
+  std::vector<Problem> errors;
+  SceneSettings scene = read_scene(parse_toml(text, "plate.toml"), errors);
+  throw_if_any(errors);
+  return scene;
+}
+
+/// What the scene's camera would record, under a gain and by paths of another seed.
+ImageF photographed(SceneSettings scene, ThreadPool& pool, double gain) {
+  scene.paths.seed += 17;
+  SceneStore store(pool);
+  const auto picture = store.picture(scene);
+  ImageF radiance = frame_radiance(*picture, picture->frames.front());
+  for (float& value : radiance.values()) {
+    value *= static_cast<float>(gain);
+  }
+  ImageF grey;
+  Sensor(scene.sensor, radiance.width(), radiance.height()).expose(radiance, 0, grey);
+  return grey;
+}
+
+/// Of metal that is 0.05 rougher than the scene says, under 0.9 times its exposure.
+void expect_found(int width_px) {
+  ThreadPool pool(2);
+  const SceneSettings scene = metal_plate(width_px, 0.25);
+  ComparedPair pair;
+  pair.real.grey = photographed(metal_plate(width_px, 0.30), pool, 0.9);
+  SceneStore store(pool);
+  const auto fit = fit_roughness(pair, scene, store);
+  ASSERT_TRUE(fit);
+  std::printf("%d px: roughness %.4f +- %.4f, gain %.4f +- %.4f\n",
+              width_px,
+              fit->change,
+              fit->sigma,
+              fit->gain,
+              fit->gain_sigma);
+  EXPECT_NEAR(fit->change, 0.05, std::max(0.004, 4.0 * fit->sigma));
+  EXPECT_LT(fit->sigma, 0.01);
+  EXPECT_NEAR(fit->gain, 0.9, 0.01);
+  EXPECT_GE(fit->renders, 2);
+  EXPECT_LE(fit->renders, 3);
+  EXPECT_EQ(store.num_rendered(), fit->renders);
+}
+
+TEST(FitRoughness, FindsItByThreePicturesAtMost) {
+  expect_found(300);
+}
+
+// Beyond 612 px it renders at half the size.
+TEST(FitRoughness, FindsItInAWiderPictureByThreePicturesAtMost) {
+  expect_found(700);
+}
+
+TEST(FitRoughness, HasNoAnswerForAMirrorOrForAPictureOfAnotherSize) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  ComparedPair pair;
+  pair.real.grey = ImageF(200, 40, 0.3F);
+  EXPECT_FALSE(fit_roughness(pair, metal_plate(300, 0.25), store));
+  EXPECT_FALSE(fit_roughness(pair, metal_plate(200, 0.01), store));
+}
+
+}  // namespace
+}  // namespace glint::compare_detail

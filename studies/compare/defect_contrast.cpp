@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 
 constexpr double kInnerRing = 1.5;  ///< of the surroundings, in radii from the defect
 constexpr double kOuterRing = 3.0;
-constexpr double kLeastPixels = 4.0;
-constexpr int kReachPx = 4;  ///< of the correlation between pixels
+constexpr double kLeastOfEither = 4.0;
+constexpr int kAlikeReachPx = 4;  ///< of the correlation between pixels
 
 enum class Kind : std::uint8_t { kNone, kInside, kAround };
 
@@ -86,9 +86,9 @@ class Patch {
     const double around = variance(Kind::kAround);
     const double size = count(kind);
     double alike = 1.0;
-    for (int dy = 0; dy <= kReachPx; ++dy) {
-      for (int dx = dy == 0 ? 1 : -kReachPx; dx <= kReachPx && around > 0.0; ++dx) {
-        if (dx * dx + dy * dy <= kReachPx * kReachPx) {
+    for (int dy = 0; dy <= kAlikeReachPx; ++dy) {
+      for (int dx = dy == 0 ? 1 : -kAlikeReachPx; dx <= kAlikeReachPx && around > 0.0; ++dx) {
+        if (dx * dx + dy * dy <= kAlikeReachPx * kAlikeReachPx) {
           const Pairs ring = pairs(Kind::kAround, dx, dy);
           const double correlation = ring.count > 0.0 ? ring.products / ring.count / around : 0.0;
           alike += 2.0 * pairs(kind, dx, dy).count / size * correlation;
@@ -153,7 +153,7 @@ std::optional<Estimate> defect_contrast(const ImageF& picture,
                                         const Mask& region,
                                         const KnownDefect& defect) {
   Patch patch(picture, region, defect);
-  if (patch.count(Kind::kInside) < kLeastPixels || patch.count(Kind::kAround) < kLeastPixels) {
+  if (patch.count(Kind::kInside) < kLeastOfEither || patch.count(Kind::kAround) < kLeastOfEither) {
     return std::nullopt;
   }
   const double around = patch.mean(Kind::kAround);

@@ -2,11 +2,12 @@
 #include "studies/compare/roughness_cause.h"
 
 #include <cmath>
-#include <functional>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/config/toml.h"
+#include "core/thread_pool.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/imaging/path_picture.h"
 

@@ -164,7 +164,7 @@ double mean_of(const ImageF& image, const std::vector<std::size_t>& pixels) {
   for (const std::size_t pixel : pixels) {
     sum += static_cast<double>(image.values()[pixel]);
   }
-  return sum / static_cast<double>(pixels.size());
+  return pixels.empty() ? 0.0 : sum / static_cast<double>(pixels.size());
 }
 
 std::string defect_table(const std::string& label) {

@@ -39,7 +39,7 @@ std::vector<DefectPixels> defect_pixels(std::span<const DefectView> defects,
                                         const Mask& on_part,
                                         const MetricsSettings& settings = {});
 
-/// @param pixels  at least one
+/// 0 of no pixel.
 double mean_of(const ImageF& image, const std::vector<std::size_t>& pixels);
 
 /// Scores of one defect in one image.

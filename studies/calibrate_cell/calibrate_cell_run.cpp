@@ -38,14 +38,6 @@ std::vector<double> joints_for(const ArmWithTool& arm,
   return {joints->data(), joints->data() + joints->size()};
 }
 
-Eigen::Isometry3d pose_of(const Json& pose) {
-  Json six = pose.at("translation_mm");
-  for (const Json& number : pose.at("rotation_vector_rad")) {
-    six.push_back(number);
-  }
-  return pose_of_numbers(six);
-}
-
 class CellCalibration {
  public:
   CellCalibration(const CalibrateCellOptions& options, const MotionPermit& permit)

@@ -15,6 +15,7 @@
 #include "studies/calibrate/place_run.h"
 #include "studies/calibrate_cell/part_views.h"
 #include "studies/calibrate_cell/round_pictures.h"
+#include "studies/cell/pose_numbers.h"
 #include "studies/definition/scene.h"
 
 namespace glint {
@@ -35,13 +36,6 @@ Isometry3d isometry_of(const RigidTransform& transform) {
   pose.linear() = transform.rotation;
   pose.translation() = transform.translation_mm;
   return pose;
-}
-
-Isometry3d pose_of(const Json& told) {
-  const PoseSettings pose = {
-      .translation_mm = told.at("translation_mm").get<std::vector<double>>(),
-      .rotation_vector_rad = told.at("rotation_vector_rad").get<std::vector<double>>()};
-  return isometry_of(transform_of(pose));
 }
 
 class PartPlacing {

@@ -47,6 +47,14 @@ Eigen::Isometry3d pose_of_numbers(const Json& six) {
   return pose_of_six(six_of(six));
 }
 
+Eigen::Isometry3d pose_of(const nlohmann::ordered_json& pose) {
+  nlohmann::ordered_json six = pose.at("translation_mm");
+  for (const nlohmann::ordered_json& number : pose.at("rotation_vector_rad")) {
+    six.push_back(number);
+  }
+  return pose_of_numbers(six);
+}
+
 JointVector joints_of_deg(const Json& six) {
   const std::vector<double> numbers = six_of(six);
   return Eigen::Map<const JointVector>(numbers.data()) / kDegPerRad;

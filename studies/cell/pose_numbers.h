@@ -15,6 +15,9 @@ nlohmann::ordered_json joints_deg(const JointVector& joints_rad);
 
 /// @throws ConfigError for anything but a list of six numbers
 Eigen::Isometry3d pose_of_numbers(const nlohmann::ordered_json& six);
+/// @param pose  { translation_mm, rotation_vector_rad }, as results have it
+Eigen::Isometry3d pose_of(const nlohmann::ordered_json& pose);
+
 JointVector joints_of_deg(const nlohmann::ordered_json& six);
 
 }  // namespace glint

@@ -12,7 +12,7 @@ namespace glint {
 namespace {
 
 using Eigen::Vector2d;
-using Colour = std::array<float, 3>;
+using MarkColour = std::array<float, 3>;
 
 constexpr double kSpacePx = 3.5;         ///< between a defect and its outline
 constexpr int kCorners = 40;             ///< of an ellipse
@@ -51,7 +51,7 @@ std::vector<Vector2d> rectangle(const Axes& axes) {
           axes.centre + axes.along - axes.across};
 }
 
-Colour colour_of(DefectMark::Kind kind) {
+MarkColour colour_of(DefectMark::Kind kind) {
   switch (kind) {
     case DefectMark::Kind::kHole:
       return {255.0F, 149.0F, 0.0F};
@@ -99,7 +99,7 @@ class Canvas {
 
  private:
   void stroke(
-      const Vector2d& a, const Vector2d& b, double width, const Colour& colour, float opacity) {
+      const Vector2d& a, const Vector2d& b, double width, const MarkColour& colour, float opacity) {
     const double reach = 0.5 * width + 1.0;
     const Vector2d low = a.cwiseMin(b).array() - reach;
     const Vector2d high = a.cwiseMax(b).array() + reach;
@@ -118,7 +118,7 @@ class Canvas {
     }
   }
 
-  static void blend(std::array<std::uint8_t, 3>& pixel, const Colour& colour, float cover) {
+  static void blend(std::array<std::uint8_t, 3>& pixel, const MarkColour& colour, float cover) {
     for (std::size_t k = 0; k < 3; ++k) {
       const float old = pixel[k];
       pixel[k] = static_cast<std::uint8_t>(std::lround(old + cover * (colour[k] - old)));

@@ -195,14 +195,13 @@ std::string scan_table(StarterLight light) {
 }
 
 std::string paths_table(StarterLight light) {
-  return is_mirror(light) ? ""
-                          : block("render.paths",
-                                  {{"samples",
-                                    "32",
-                                    "of each pixel; four times as many halve the "
-                                    "rendering's noise"},
-                                   {"batches", "4"},
-                                   {"max_reflections", "2"}});
+  if (is_mirror(light)) {
+    return "";
+  }
+  return block("render.paths",
+               {{"samples", "32", "of each pixel; four times as many halve the rendering's noise"},
+                {"batches", "4"},
+                {"max_reflections", "2"}});
 }
 
 /// Nothing before places are known.

@@ -11,14 +11,6 @@
 namespace glint {
 namespace {
 
-double mean_of(const ImageF& picture, const std::vector<std::size_t>& pixels) {
-  double sum = 0.0;
-  for (const std::size_t pixel : pixels) {
-    sum += static_cast<double>(picture.values()[pixel]);
-  }
-  return pixels.empty() ? 0.0 : sum / static_cast<double>(pixels.size());
-}
-
 /// A photograph in the place of a simulated picture.
 class RealPicture : public ScenePicture {
  public:

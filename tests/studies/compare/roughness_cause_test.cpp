@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/compare/roughness_cause.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -11,7 +11,7 @@
 namespace glint {
 namespace {
 
-/// Back along the axis (mm), roll, tilts about x and y (rad).
+/// Back along the axis, nearer where negative (mm), roll, tilts about x and y (rad).
 struct Offset {
   double back_mm = 0.0;
   double roll_rad = 0.0;
@@ -41,12 +41,18 @@ Eigen::Isometry3d moved(const Eigen::Isometry3d& base_from_camera,
 }
 
 std::vector<Offset> grid_of(double target_mm) {
-  constexpr std::array<double, 12> kBackMm = {0, 5, 10, 20, 30, 45, 60, 80, 100, 130, 160, 200};
+  constexpr std::array<double, 28> kBackMm = {
+      0,   5,   -5,   10,  -10,  20,  -20,  30,  -30,  45,   -45,  60,   -60,  80,
+      -80, 100, -100, 130, -130, 160, -160, 200, -200, -260, -340, -440, -570, -740};
+  constexpr double kNearest = 0.2;  // of target_mm: no nearer than that
   constexpr std::array<double, 13> kRollDeg = {
       0, -15, 15, -30, 30, -60, 60, -90, 90, -120, 120, -150, 180};
   constexpr std::array<double, 7> kTiltDeg = {0, -10, 10, -20, 20, -30, 30};
   std::vector<Offset> offsets;
   for (const double back_mm : kBackMm) {
+    if (target_mm + back_mm < kNearest * target_mm) {
+      continue;
+    }
     for (const double roll_deg : kRollDeg) {
       for (const double x_deg : kTiltDeg) {
         for (const double y_deg : kTiltDeg) {

@@ -19,6 +19,24 @@ TEST(NearestView, ComesNearTheLimitAlongTheAxis) {
   EXPECT_TRUE(found->linear().isIdentity(1e-12));
 }
 
+// The same towards what is looked at, for a view that is too far away: 440 of the grid, then
+// halved.
+TEST(NearestView, ComesNearerWhereTheViewIsTooFarAway) {
+  const auto found = nearest_view(Isometry3d::Identity(), 900.0, [](const Isometry3d& pose) {
+    return pose.translation().z() >= 400.0;
+  });
+  ASSERT_TRUE(found.has_value());
+  EXPECT_GE(found->translation().z(), 400.0);
+  EXPECT_LT(found->translation().z(), 414.0);
+  EXPECT_TRUE(found->linear().isIdentity(1e-12));
+}
+
+TEST(NearestView, StaysBeforeWhatIsLookedAt) {
+  EXPECT_FALSE(nearest_view(Isometry3d::Identity(), 100.0, [](const Isometry3d& pose) {
+    return pose.translation().z() > 86.0;  // tilted at 20 mm: 85
+  }));
+}
+
 TEST(NearestView, TiltsAboutThePointThatIsLookedAt) {
   const auto found = nearest_view(Isometry3d::Identity(), 100.0, [](const Isometry3d& pose) {
     return pose.linear()(1, 2) < -0.2;  // the view tilted about x

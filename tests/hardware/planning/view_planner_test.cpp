@@ -159,6 +159,18 @@ TEST(PlanViews, TellsTheNearestPoseOfARefusedView) {
             80.0);
 }
 
+TEST(PlanViews, TellsANearerPoseOfAViewThatIsOutOfReach) {
+  const PlanningCell cell = planned_cell();
+  const ViewRequest far = from_above(300.0, 800.0);
+  const ViewPlan plan = plan_of(cell, far);
+  EXPECT_EQ(plan.views[0].outcome, ViewOutcome::kUnreachable);
+  ASSERT_TRUE(plan.views[0].nearest_base_from_camera.has_value());
+  ViewRequest nearest = far;
+  nearest.base_from_camera = *plan.views[0].nearest_base_from_camera;
+  EXPECT_EQ(plan_of(cell, nearest).views[0].outcome, ViewOutcome::kPlanned);
+  EXPECT_LT(nearest.base_from_camera.translation().z(), far.base_from_camera.translation().z());
+}
+
 /// A cell whose flange holds a ball 90 mm before it up to a camera that looks up from the table.
 PlanningCell holding_cell() {
   PlanningCell cell = planned_cell();

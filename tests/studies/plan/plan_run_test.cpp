@@ -121,6 +121,20 @@ TEST_F(PlanStudyTest, WritesAWholeFolderThatIsReadAgain) {
   EXPECT_EQ(again["paths"], result["paths"]);
 }
 
+// The same view: the cable's room reaches down to the table, or does not.
+TEST_F(PlanStudyTest, RefusesAViewThatALongCableCannotTake) {
+  const std::string cable = "cable_mm = [0, 50, -30, 0, 110, -60]";
+  const std::string cell = kCell;
+  const std::size_t at = cell.find(cable);
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_EQ(plan(kScene + kCalibration, cell)["views"][0]["outcome"], "planned");
+  const nlohmann::ordered_json longer =
+      plan(kScene + kCalibration,
+           std::string(cell).replace(at, cable.size(), "cable_mm = [0, 50, -30, 0, 150, 240]"));
+  EXPECT_EQ(longer["views"][0]["outcome"], "collision");
+  EXPECT_THAT(longer["views"][0]["reason"].get<std::string>(), HasSubstr("cable"));
+}
+
 TEST_F(PlanStudyTest, TellsWhatItWasPlannedFrom) {
   EXPECT_EQ(plan(kScene + kCalibration, kCell)["run"], nullptr);
   write_file(folder_ / "study.resolved.toml", "schema = 1\n");

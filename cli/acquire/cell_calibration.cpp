@@ -2,6 +2,7 @@
 #include "cli/acquire/cell_calibration.h"
 
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -25,6 +26,18 @@ std::string end_text(const Json& end) {
                      end["text"].get<std::string>());
 }
 
+/// What the end of the rounds means.
+std::string_view status_text(const std::string& status) {
+  if (status == "good") {
+    return "good";
+  }
+  if (status == "most_rounds") {
+    return "all rounds are used up, further poses may help";
+  }
+  return status == "no_pose_reached" ? "the arm cannot take any pose that would help"
+                                     : "no further pose helps";
+}
+
 std::string rounds_text(const Json& result) {
   std::string text;
   for (const Json& round : result["rounds"]) {
@@ -33,11 +46,17 @@ std::string rounds_text(const Json& result) {
                         round["pictures"].get<int>(),
                         round["point_error_px"].get<double>());
   }
+  for (const Json& refused : result["refused"]) {
+    text += fmt::format("pose {} is passed over, {}: {}\n",
+                        refused["pose"].get<std::string>(),
+                        refused["outcome"].get<std::string>(),
+                        refused["reason"].get<std::string>());
+  }
   if (result["status"] == "stopped") {
     return text + end_text(result["end"]);
   }
   return text + fmt::format("{}: {:.3f} px were asked for\n{}\n",
-                            result["status"] == "good" ? "good" : "no further pose helps",
+                            status_text(result["status"].get<std::string>()),
                             result["target_px"].get<double>(),
                             result["calibration"].get<std::string>());
 }

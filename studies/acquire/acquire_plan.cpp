@@ -12,6 +12,7 @@
 #include "studies/acquire/expected_parts.h"
 #include "studies/acquire/plan_digest.h"
 #include "studies/acquire/source_files.h"
+#include "studies/acquire/taught_views.h"
 #include "studies/cell/pose_numbers.h"
 #include "studies/cell_camera/cell_camera.h"
 #include "studies/definition/study.h"
@@ -29,54 +30,6 @@ constexpr double kJoinedRad = 1e-6;
 JointVector joints_of(const CellPosition& position) {
   return Eigen::Map<const JointVector>(position.joints_rad.data());
 }
-
-PlannedPath straight(const std::string& from,
-                     const JointVector& from_rad,
-                     const std::string& to,
-                     const JointVector& to_rad) {
-  return {.from = from, .to = to, .joints_rad = {from_rad, to_rad}};
-}
-
-/// From one view of the cell to the next.
-struct WayBetween {
-  std::optional<PlannedPath> path;  ///< none: there is none
-  std::string why_not;
-};
-
-class CellWays {
- public:
-  CellWays(const Cell& cell, double share)
-      : arm_(arm_with_tool(robot_of(cell), cell.limits)),
-        home_(safe_position_of(cell, "")),
-        share_(share) {}
-
-  WayBetween way(const std::string& from,
-                 const JointVector& from_rad,
-                 const std::string& to,
-                 const JointVector& to_rad) const {
-    PlannedPath direct = straight(from, from_rad, to, to_rad);
-    const CheckedMotion motion = check_joint_motion(arm_, from_rad, to_rad, share_);
-    if (motion.is_allowed()) {
-      direct.duration_s = motion.duration_s;
-      return {.path = direct, .why_not = ""};
-    }
-    const CheckedMotion back = check_joint_motion(arm_, from_rad, joints_of(home_), share_);
-    const CheckedMotion again = check_joint_motion(arm_, joints_of(home_), to_rad, share_);
-    if (!back.is_allowed() || !again.is_allowed()) {
-      return {.path = std::nullopt, .why_not = motion.text};
-    }
-    direct.joints_rad = {from_rad, joints_of(home_), to_rad};
-    direct.duration_s = back.duration_s + again.duration_s;
-    return {.path = direct, .why_not = ""};
-  }
-
-  const ArmWithTool& arm() const { return arm_; }
-
- private:
-  ArmWithTool arm_;
-  const CellPosition& home_;
-  double share_;
-};
 
 bool is_safe(const Cell& cell, const JointVector& joints_rad) {
   return std::ranges::any_of(cell.safe_positions, [&](const CellPosition& position) {
@@ -203,36 +156,6 @@ ViewPlan views_of(const AcquireSource& source, const Cell& cell, double speed_sh
 }
 
 }  // namespace
-
-ViewPlan plan_of_cell_views(const Cell& cell, double speed_share) {
-  const CellWays ways(cell, speed_share);
-  const CellPosition& home = safe_position_of(cell, "");
-  const std::string home_name = home.name.empty() ? "safe position" : home.name;
-  ViewPlan plan;
-  std::string at = home_name;
-  JointVector at_rad = joints_of(home);
-  for (std::size_t i = 0; i < cell.views.size(); ++i) {
-    const CellPosition& view = cell.views[i];
-    PlannedView planned = {.name = view.name.empty() ? fmt::format("view_{}", i + 1) : view.name,
-                           .joints_rad = joints_of(view)};
-    planned.base_from_flange = ways.arm().arm.forward(planned.joints_rad);
-    const WayBetween way = ways.way(at, at_rad, planned.name, planned.joints_rad);
-    if (way.path) {
-      plan.paths.push_back(*way.path);
-      at = planned.name;
-      at_rad = planned.joints_rad;
-    } else {
-      planned.outcome = ViewOutcome::kNoPath;
-      planned.reason = way.why_not;
-    }
-    plan.views.push_back(planned);
-  }
-  if (const auto way = ways.way(at, at_rad, home_name, joints_of(home));
-      way.path && !plan.paths.empty()) {
-    plan.paths.push_back(*way.path);
-  }
-  return plan;
-}
 
 AcquireSource read_source(const fs::path& path) {
   const SourceFiles files = files_of(path);

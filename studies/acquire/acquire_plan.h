@@ -16,10 +16,6 @@
 
 namespace glint {
 
-/// The cell's own views in their order, from the first safe position and back to it: straight in
-/// joints, over the safe position where the straight way leaves the box.
-ViewPlan plan_of_cell_views(const Cell& cell, double speed_share);
-
 /// What is named on the command line.
 struct AcquireSource {
   std::optional<SceneSettings> scene;

@@ -56,6 +56,9 @@ Prepared prepare(const AcquireOptions& options) {
     ready.cell.views = options.views;
   }
   ready.source = read_source(options.source);
+  if (options.plan) {
+    ready.source.plan = options.plan;
+  }
   ready.work = work_of(ready.source, ready.cell, options.speed_share);
   const fs::path named = options.source.empty() ? options.cell : options.source;
   const fs::path parent = fs::is_directory(named) ? named : fs::absolute(named).parent_path();

@@ -7,12 +7,14 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include "hardware/light/light.h"
+#include "hardware/planning/view_plan.h"
 #include "hardware/robot/motion_permit.h"
 #include "studies/acquire/mounted_prototypes.h"
 #include "studies/cell/cell_file.h"
@@ -24,6 +26,7 @@ struct AcquireOptions {
   std::filesystem::path made_from = {};  ///< source that this one was copied from; empty: none
   std::filesystem::path cell;
   std::vector<CellPosition> views = {};  ///< in the place of the cell's own; empty: those
+  std::optional<ViewPlan> plan = {};     ///< of these views; none: planned by their joints
   std::filesystem::path out;             ///< empty: out/<name>/acquire
   std::filesystem::path twin;            ///< ready file whose ports take the place of the cell's
   double speed_share = 0.5;              ///< of the cell's limits of speed

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/calibrate_cell/calibrate_cell_run.h"
 
-#include <algorithm>
-#include <iterator>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/file.h"
-#include "hardware/robot/path_check.h"
 #include "studies/acquire/acquired.h"
 #include "studies/calibrate/calibrate_run.h"
 #include "studies/calibrate/plan_run.h"
+#include "studies/calibrate_cell/next_poses.h"
 #include "studies/calibrate_cell/round_pictures.h"
 #include "studies/cell/cell_file.h"
 #include "studies/cell/pose_numbers.h"
@@ -21,21 +21,24 @@
 namespace glint {
 namespace {
 
+using calibrate_cell_detail::calibrated_cell;
+using calibrate_cell_detail::reached_poses;
+using calibrate_cell_detail::ReachedPoses;
+using calibrate_cell_detail::WantedPose;
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr double kWorthIt = 0.9;  ///< of the error before: more, and another round is not worth it
 
-/// Joints of the branch that is nearest to the first safe position and stays in the box; empty:
-/// none.
-std::vector<double> joints_for(const ArmWithTool& arm,
-                               const Eigen::Isometry3d& base_from_flange,
-                               const JointVector& home_rad) {
-  const auto joints = nearest_solution(arm.arm.inverse(base_from_flange), home_rad, kJointLimitRad);
-  if (!joints || !check_joint_motion(arm, home_rad, *joints, 1.0).is_allowed()) {
-    return {};
+constexpr int kPlannedForOne = 3;  ///< poses asked for, so that others replace those out of reach
+
+Json refused_json(const std::vector<PlannedView>& refused) {
+  Json list = Json::array();
+  for (const PlannedView& view : refused) {
+    list.push_back(
+        {{"pose", view.name}, {"outcome", name_of(view.outcome)}, {"reason", view.reason}});
   }
-  return {joints->data(), joints->data() + joints->size()};
+  return list;
 }
 
 class CellCalibration {
@@ -55,32 +58,9 @@ class CellCalibration {
   }
 
   Json run() {
-    std::vector<CellPosition> views = cell_.views;
-    std::string status = "no_pose_helps";
-    double before_px = 0.0;
-    for (int round = 1; round <= options_.most_rounds && !views.empty(); ++round) {
-      const Json taken = acquire(round, views);
-      if (taken["status"] == "stopped") {
-        end_ = taken["end"];
-        status = "stopped";
-        break;
-      }
-      take_over(round);
-      const Json calibration = calibrate();
-      const double error_px = calibration["point_error_px"]["rms"].get<double>();
-      rounds_.push_back({{"round", round},
-                         {"pictures", taken["counts"]["accepted"]},
-                         {"point_error_px", error_px},
-                         {"prediction_rms_px", calibration["prediction_rms_px"]}});
-      if (error_px <= options_.target_px) {
-        status = "good";
-        break;
-      }
-      if (round > 1 && error_px > kWorthIt * before_px) {
-        break;
-      }
-      before_px = error_px;
-      views = next_views(round + 1);
+    std::string status;
+    for (int round = 1; status.empty(); ++round) {
+      status = status_after(round);
     }
     return {{"schema", 1},
             {"status", status},
@@ -88,15 +68,45 @@ class CellCalibration {
             {"folder", folder_.string()},
             {"target_px", options_.target_px},
             {"rounds", rounds_},
+            {"refused", refused_},
             {"end", end_},
             {"calibration", (folder_ / "calibration" / "calibration.toml").string()}};
   }
 
  private:
-  Json acquire(int round, const std::vector<CellPosition>& views) const {
+  /// Photographs and calibrates. @return empty: another round is to follow
+  std::string status_after(int round) {
+    const Json taken = acquire(round);
+    if (taken["status"] == "stopped") {
+      end_ = taken["end"];
+      return "stopped";
+    }
+    take_over(round);
+    const Json calibration = calibrate();
+    const double error_px = calibration["point_error_px"]["rms"].get<double>();
+    const double before_px = std::exchange(error_px_, error_px);
+    rounds_.push_back({{"round", round},
+                       {"pictures", taken["counts"]["accepted"]},
+                       {"point_error_px", error_px},
+                       {"prediction_rms_px", calibration["prediction_rms_px"]}});
+    if (error_px <= options_.target_px) {
+      return "good";
+    }
+    if (round > 1 && error_px > kWorthIt * before_px) {
+      return "no_pose_helps";
+    }
+    if (round >= options_.most_rounds) {
+      return "most_rounds";
+    }
+    seek_poses(round + 1);
+    return plan_->paths.empty() ? "no_pose_reached" : "";
+  }
+
+  Json acquire(int round) const {
     AcquireOptions acquire = options_.acquire;
     acquire.source.clear();
-    acquire.views = views;
+    acquire.views = views_;
+    acquire.plan = plan_;
     acquire.out = folder_ / fmt::format("round_{}", round);
     MountedPrototypes none({}, {});  // the board is seen by the cell's own lights
     return calibrate_cell_detail::acquire_round(acquire, none, permit_);
@@ -132,38 +142,46 @@ class CellCalibration {
     if (fs::exists(folder / "plan.json")) {
       return Json::parse(read_file(folder / "plan.json"), nullptr, false);
     }
-    return plan_poses({.count = options_.poses_a_round,
+    return plan_poses({.count = kPlannedForOne * options_.poses_a_round,
                        .board = options_.board,
                        .camera = folder_ / "calibration",
                        .out = folder});
   }
 
-  /// What the calibration asks for, as far as the arm gets there.
-  std::vector<CellPosition> next_views(int round) const {
+  /// What the calibration asks for, as far as the arm gets there without touching anything.
+  void seek_poses(int round) {
     const Json plan = plan_of(round);
-    const ArmWithTool arm = arm_with_tool(robot_of(cell_), cell_.limits);
-    const CellPosition& home = safe_position_of(cell_, "");
-    const JointVector home_rad = Eigen::Map<const JointVector>(home.joints_rad.data());
-    std::vector<CellPosition> views;
+    std::vector<WantedPose> wanted;
     for (const Json& pose : plan.at("poses")) {
-      CellPosition view = cell_.views.front();  // its lights and exposure
-      view.name = pose["name"].get<std::string>();
-      view.joints_rad = joints_for(arm, pose_of(pose), home_rad);
-      if (!view.joints_rad.empty()) {
-        views.push_back(view);
-      }
+      wanted.push_back(
+          {.name = pose["name"].get<std::string>(), .base_from_flange = pose_of(pose)});
     }
-    return views;
+    ReachedPoses reached = reached_poses(calibrated_cell(cell_, folder_ / "calibration"),
+                                         wanted,
+                                         static_cast<std::size_t>(options_.poses_a_round));
+    views_.clear();
+    for (const PlannedView& planned : reached.plan.views) {
+      CellPosition view = cell_.views.front();  // its lights and exposure
+      view.name = planned.name;
+      view.joints_rad.assign(planned.joints_rad.begin(), planned.joints_rad.end());
+      views_.push_back(view);
+    }
+    refused_ = refused_json(reached.refused);
+    plan_ = std::move(reached.plan);
   }
 
   const CalibrateCellOptions& options_;
   const MotionPermit& permit_;
   Cell cell_;
   fs::path folder_;
+  std::vector<CellPosition> views_ = cell_.views;  ///< of the next round
+  std::optional<ViewPlan> plan_;                   ///< of these; none: planned by their joints
   std::vector<fs::path> pictures_;
   std::string poses_;
   Json rounds_ = Json::array();
-  Json end_;  ///< of an acquisition that was stopped
+  double error_px_ = 0.0;         ///< of a point, after the last round
+  Json refused_ = Json::array();  ///< poses that the last plan passed over
+  Json end_;                      ///< of an acquisition that was stopped
 };
 
 }  // namespace

@@ -32,7 +32,11 @@ struct CalibrateCellOptions {
 /// Where results go: `out`, else out/<folder of the cell's file>/calibrate.
 std::filesystem::path calibration_folder(const AcquireOptions& acquire);
 
-/// @return {"status": "good" | "no_pose_helps" | "stopped", "ok", "rounds": [...], "calibration"}
+/// Poses that are asked for are taken as `glint plan` takes views; where one is refused, the next
+/// best takes its place.
+/// @return {"status", "ok", "rounds": [...], "refused": [...], "calibration"}; status "good",
+///         "no_pose_helps" (the last round made it better by less than a tenth), "most_rounds" (all
+///         were used), "no_pose_reached" (each pose that was asked for is refused), "stopped"
 /// @throws ConfigError, IoError; what has been taken stays, and the same call goes on with it
 nlohmann::ordered_json calibrate_cell(const CalibrateCellOptions& options,
                                       const MotionPermit& permit);

@@ -149,15 +149,51 @@ Eigen::Isometry3d isometry_of(const RigidTransform& transform) {
 namespace {
 
 /// The calibration that tells where the camera is; none: neither file does.
-std::optional<CalibrationSettings> calibration_of(const SceneSettings& scene, const Cell& cell) {
+/// @param own  of a scene; wins
+std::optional<CalibrationSettings> calibration_of(const std::optional<CalibrationSettings>& own,
+                                                  const Cell& cell) {
   const auto tells = [](const std::optional<CalibrationSettings>& calibration) {
     return calibration && (calibration->flange_from_camera || calibration->base_from_camera);
   };
-  std::optional<CalibrationSettings> calibration = scene.calibration;
+  std::optional<CalibrationSettings> calibration = own;
   if (!tells(calibration) && !cell.calibration.empty()) {
     calibration = read_calibration_of(cell.calibration);
   }
   return tells(calibration) ? calibration : std::nullopt;
+}
+
+/// Without the part.
+CellChain camera_chain(const CalibrationSettings& calibration) {
+  CellChain chain = {.is_in_hand = calibration.flange_from_camera.has_value()};
+  chain.camera = chain.is_in_hand ? *calibration.flange_from_camera : *calibration.base_from_camera;
+  chain.carrier_from_camera = transform_of(chain.camera.pose);
+  return chain;
+}
+
+/// Arm, table, limits and safe positions: without bodies.
+PlanningCell bare_cell(const Cell& cell) {
+  const PlanningSettings& settings = cell.planning.settings;
+  PlanningCell planned = {.arm = arm_with_tool(robot_of(cell), cell.limits)};
+  planned.table_mm = settings.table_height_mm;
+  planned.margin_mm = settings.margin_mm;
+  planned.joint_min_rad = Eigen::Map<const JointVector>(settings.joint_min_rad.data());
+  planned.joint_max_rad = Eigen::Map<const JointVector>(settings.joint_max_rad.data());
+  planned.min_joint_sine = settings.min_joint_sine;
+  for (const CellPosition& position : cell.safe_positions) {
+    planned.safe_positions.push_back(
+        {.name = position.name,
+         .joints_rad = Eigen::Map<const JointVector>(position.joints_rad.data())});
+  }
+  return planned;
+}
+
+/// With the camera, what the flange carries beside it, and what stands.
+void add_bodies(const Cell& cell, const CellChain& chain, PlanningCell& planned) {
+  if (chain.is_in_hand) {
+    planned.flange_from_camera = isometry_of(chain.carrier_from_camera);
+  }
+  add_carried(cell.planning, chain, planned);
+  add_obstacles(cell.planning, planned);
 }
 
 }  // namespace
@@ -169,7 +205,7 @@ RigidTransform CellChain::scene_from_camera(const RigidTransform& base_from_flan
 }
 
 CellChain cell_chain(const SceneSettings& scene, const Cell& cell) {
-  const auto calibration = calibration_of(scene, cell);
+  const auto calibration = calibration_of(scene.calibration, cell);
   if (!calibration) {
     throw ConfigError(
         "calibration.flange_from_camera: is missing; the scene or the file that [calibration] of "
@@ -177,9 +213,7 @@ CellChain cell_chain(const SceneSettings& scene, const Cell& cell) {
         "where "
         "it stands beside the robot");
   }
-  CellChain chain = {.is_in_hand = calibration->flange_from_camera.has_value()};
-  chain.camera =
-      chain.is_in_hand ? *calibration->flange_from_camera : *calibration->base_from_camera;
+  CellChain chain = camera_chain(*calibration);
   if (chain.is_in_hand && !(scene.cell && scene.cell->base_from_part)) {
     throw ConfigError("cell.base_from_part",
                       "is missing: where the part lies in the frame of the robot's base");
@@ -190,42 +224,40 @@ CellChain cell_chain(const SceneSettings& scene, const Cell& cell) {
                       "the part up to it");
   }
   chain.part = chain.is_in_hand ? *scene.cell->base_from_part : *scene.cell->flange_from_part;
-  chain.carrier_from_camera = transform_of(chain.camera.pose);
   chain.carrier_from_scene = transform_of(chain.part.pose) * inverse(scene_from_part(scene));
   return chain;
 }
 
 bool has_cell_chain(const SceneSettings& scene, const Cell& cell) {
-  const auto calibration = calibration_of(scene, cell);
+  const auto calibration = calibration_of(scene.calibration, cell);
   return calibration && scene.cell &&
          (calibration->flange_from_camera ? scene.cell->base_from_part.has_value()
                                           : scene.cell->flange_from_part.has_value());
 }
 
 PlanningCell planning_cell(const Cell& cell, const SceneSettings& scene, const TriangleMesh& part) {
-  const PlanningSettings& settings = cell.planning.settings;
-  PlanningCell planned = {.arm = arm_with_tool(robot_of(cell), cell.limits)};
   const CellChain chain = cell_chain(scene, cell);
-  if (chain.is_in_hand) {
-    planned.flange_from_camera = isometry_of(chain.carrier_from_camera);
-  }
-  planned.table_mm = settings.table_height_mm;
-  planned.margin_mm = settings.margin_mm;
-  planned.joint_min_rad = Eigen::Map<const JointVector>(settings.joint_min_rad.data());
-  planned.joint_max_rad = Eigen::Map<const JointVector>(settings.joint_max_rad.data());
-  planned.min_joint_sine = settings.min_joint_sine;
-  for (const CellPosition& position : cell.safe_positions) {
-    planned.safe_positions.push_back(
-        {.name = position.name,
-         .joints_rad = Eigen::Map<const JointVector>(position.joints_rad.data())});
-  }
-  add_carried(cell.planning, chain, planned);
-  add_obstacles(cell.planning, planned);
+  PlanningCell planned = bare_cell(cell);
+  add_bodies(cell, chain, planned);
   SolidBody body = {.name = "part"};
   body.mesh.vertices_mm = part.vertices_mm;
   body.mesh.triangles = part.triangles;
   add_body(std::move(body), !chain.is_in_hand, chain.carrier_from_scene, planned);
-  add_lights(scene, chain, settings.light_thickness_mm, planned);
+  add_lights(scene, chain, cell.planning.settings.light_thickness_mm, planned);
+  return planned;
+}
+
+PlanningCell planning_cell(const Cell& cell) {
+  const auto calibration = calibration_of(std::nullopt, cell);
+  if (!calibration && !cell.planning.settings.camera_size_mm.empty()) {
+    throw ConfigError(fmt::format(
+        "{}: planning.camera_size_mm: where the camera is on the flange is not known, so the room "
+        "that it takes cannot be kept free; name a file with [calibration.flange_from_camera] as "
+        "file of [calibration], as the drawing has it will do",
+        cell.file.string()));
+  }
+  PlanningCell planned = bare_cell(cell);
+  add_bodies(cell, calibration ? camera_chain(*calibration) : CellChain(), planned);
   return planned;
 }
 

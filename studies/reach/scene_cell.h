@@ -40,6 +40,11 @@ bool has_cell_chain(const SceneSettings& scene, const Cell& cell);
 ///         the flange holds which stand in it; IoError
 PlanningCell planning_cell(const Cell& cell, const SceneSettings& scene, const TriangleMesh& part);
 
+/// The same without a scene: arm, camera where the file that the cell names as its calibration has
+/// it, cable and bodies; obstacles. Lights have to be among the cell's own bodies and obstacles.
+/// @throws ConfigError when the camera takes room and no file tells where it is; IoError
+PlanningCell planning_cell(const Cell& cell);
+
 /// The viewpoints as they lie in the robot's base, "view_01" and so on.
 /// @param viewpoints  viewpoints_of() the scene
 /// @throws ConfigError as cell_chain()

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/acquire/acquire_plan.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/file.h"
+#include "core/units.h"
+#include "studies/acquire/taught_views.h"
+#include "studies/definition/study.h"
+#include "studies/plan/scene_plan.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -42,6 +47,12 @@ exposure_us = 500
 [[view]]
 joints_deg = [20, -95, 95, -85, -90, 0]
 )";
+
+std::string edited(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
 
 class AcquirePlan : public testing::Test {
  protected:
@@ -84,9 +95,38 @@ TEST_F(AcquirePlan, SaysWhichViewOfTheCellCannotBeTaken) {
   text += "[[view]]\nname = \"low\"\njoints_deg = [0, 0, 30, -90, -90, 0]\n";
   const AcquireWork work = work_of({}, cell_of(text), 0.5);
   ASSERT_EQ(work.views.views.size(), 3U);
-  EXPECT_EQ(work.views.views[2].outcome, ViewOutcome::kNoPath);
+  EXPECT_EQ(work.views.views[2].outcome, ViewOutcome::kBox);
   EXPECT_NE(work.views.views[2].reason, "");
   EXPECT_EQ(work.plan.tasks.size(), 2U);
+}
+
+/// A home above the views, and an upright post on the way of the tool's tip about the base.
+std::string cell_with_post(double turn_deg) {
+  JointVector joints_deg;
+  joints_deg << turn_deg, -95, 95, -85, -90, 0;
+  const Eigen::Vector3d at_mm = Arm(ArmModel::kUr3).forward(joints_deg * kRadPerDeg).translation();
+  return edited(kCell, "[0, -100, 100, -90, -90, 0]", "[0, -110, 70, -50, -90, 0]") +
+         "[[view]]\nname = \"right\"\njoints_deg = [-40, -95, 95, -85, -90, 0]\n" +
+         fmt::format(
+             "[[obstacle]]\nname = \"post\"\nposition_mm = [{}, {}, 135]\n"
+             "size_mm = [20, 20, 270]\n",
+             at_mm.x(),
+             at_mm.y());
+}
+
+TEST_F(AcquirePlan, RefusesViewsOfTheCellThatTouchAnObstacle) {
+  const AcquireWork work = work_of({}, cell_of(cell_with_post(-40.0)), 0.5);
+  ASSERT_EQ(work.views.views.size(), 3U);
+  EXPECT_EQ(work.views.views[2].outcome, ViewOutcome::kCollision);
+  EXPECT_THAT(work.views.views[2].reason, HasSubstr("post"));
+  EXPECT_EQ(work.plan.tasks.size(), 2U);
+}
+
+TEST_F(AcquirePlan, GoesBetweenViewsOfTheCellAroundAnObstacle) {
+  const AcquireWork work = work_of({}, cell_of(cell_with_post(-10.0)), 0.5);
+  EXPECT_EQ(work.plan.tasks.size(), 3U);
+  ASSERT_EQ(work.plan.tour.size(), 6U);
+  EXPECT_TRUE(work.plan.tour[3].is_safe) << "between view_2 and right";
 }
 
 constexpr const char* kPlan = R"({"schema": 1, "kind": "plan", "scene": "scene.toml",
@@ -114,12 +154,6 @@ TEST_F(AcquirePlan, IsReadFromAPlan) {
   EXPECT_EQ(work.views.views[1].outcome, ViewOutcome::kUnreachable);
 }
 
-std::string edited(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
 TEST_F(AcquirePlan, RefusesPlansThatCannotBeDriven) {
   const std::string plan = kPlan;
   EXPECT_EQ(error_of_plan(plan), "");
@@ -136,6 +170,25 @@ TEST_F(AcquirePlan, RefusesPlansThatCannotBeDriven) {
   EXPECT_THAT(error_of_plan(edited(
                   plan, "[[0, -100, 100, -90, -90, 0], [5", "[[1, -100, 100, -90, -90, 0], [5")),
               HasSubstr("must begin at a [[safe_position]]"));
+}
+
+// With its table, camera and cable: what the study asks for, and where calibrating begins.
+TEST(GalleryRobotCell, AllItsViewsCanBeTaken) {
+  const std::filesystem::path gallery =
+      std::filesystem::path(GLINT_SOURCE_DIR) / "studies/gallery/robot_cell";
+  const Cell cell = read_cell(gallery / "cell.toml");
+  EXPECT_TRUE(cell.planning.settings.table_height_mm);
+  EXPECT_FALSE(cell.planning.settings.camera_size_mm.empty());
+  EXPECT_FALSE(cell.planning.settings.cable_mm.empty());
+  const ViewPlan study = plan_scene(load_study(gallery / "study.toml", {}).scene, cell).plan;
+  EXPECT_EQ(study.views.size(), 5U);
+  const ViewPlan board = plan_of_cell_views(cell, 0.5);
+  EXPECT_EQ(board.views.size(), 9U);
+  for (const ViewPlan& plan : {study, board}) {
+    for (const PlannedView& view : plan.views) {
+      EXPECT_EQ(view.outcome, ViewOutcome::kPlanned) << view.name << ": " << view.reason;
+    }
+  }
 }
 
 }  // namespace

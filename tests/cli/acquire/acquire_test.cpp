@@ -21,6 +21,7 @@
 #include "core/file.h"
 #include "core/rng.h"
 #include "hardware/robot/twin_proof.h"
+#include "tests/cli/acquire/arm_place.h"
 #include "tests/cli/program.h"
 #include "tests/cli/served_twins.h"
 
@@ -162,6 +163,7 @@ void unlock(const SmallTwins& twins) {
 /// Runs until the folder is whole, with disturbances at random moments: kills, interrupts and
 /// protective stops. @return how many there were
 int acquire_disturbed(const SmallTwins& twins, const std::string& out, int most, Rng& random) {
+  const Tour tour = tour_of_cell(twins.folder);
   int disturbances = 0;
   for (int tries = 0; tries < 60; ++tries) {
     Program program(twins.folder / "", SmallTwins::acquire(out));
@@ -182,6 +184,7 @@ int acquire_disturbed(const SmallTwins& twins, const std::string& out, int most,
       }
     }
     const ProgramResult result = program.wait();
+    expect_on_its_path(twins.folder, tour, result);
     if (is_stopped || result.code == 1) {
       unlock(twins);
     }

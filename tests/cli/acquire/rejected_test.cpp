@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint acquire` of a scene whose part is in its place, and of one whose part is not there.
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "tests/cli/program.h"
+#include "tests/cli/served_twins.h"
+
+namespace glint::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+const fs::path kTwinGallery = fs::path(GLINT_SOURCE_DIR) / "studies/gallery/twin_cell";
+
+class ScenePictures : public testing::Test {
+ protected:
+  /// The gallery's part under its ring, where the scene says; in truth it lies at `truth_mm`.
+  json acquired(const std::string& truth_mm) {
+    const std::string truth =
+        edited(read_file(kTwinGallery / "truth.toml"),
+               {{"width_px = 408", "width_px = 204"},
+                {"height_px = 342", "height_px = 171"},
+                {"pixel_um = 10.35", "pixel_um = 20.7"},
+                {"object_pixel_mm = 0.15", "object_pixel_mm = 0.3"},
+                {"samples = 8", "samples = 4"},
+                {"scene_position_mm = [280, -120, 20]", "scene_position_mm = " + truth_mm}});
+    const std::size_t bar = truth.find("[lighting.bar]");
+    const std::size_t render = truth.find("[render.paths]");
+    const std::string scene =
+        truth.substr(0, bar) + truth.substr(render, truth.find("[truth]") - render);
+    write_file(folder_ / "scene.toml",
+               scene +
+                   "[calibration.flange_from_camera]\ntranslation_mm = [0, 50, 30]\n"
+                   "sigma_mm = [0.5, 0.5, 0.5]\nsigma_deg = [0.5, 0.5, 0.5]\n"
+                   "[cell.base_from_part]\ntranslation_mm = [280, -120, 20]\n"
+                   "sigma_mm = [0.5, 0.5, 0.5]\n");
+    write_file(folder_ / "truth.toml", truth);
+    write_file(folder_ / "cell.toml",
+               edited(read_file(kTwinGallery / "cell.toml"),
+                      {{"truth = \"truth.toml\"", "truth = \"truth.toml\"\nmotion_speedup = 20"},
+                       {"[lights.ring]", "[acquisition]\nmost_retakes = 1\n\n[lights.ring]"}}));
+    const ServedTwins twins(folder_, "both", "cell.toml");
+    const ProgramResult result = glint_in(folder_,
+                                          {"acquire",
+                                           "scene.toml",
+                                           "--cell",
+                                           "cell.toml",
+                                           "--twin",
+                                           "twin.json",
+                                           "--confirmed",
+                                           "ring",
+                                           "--speed_share",
+                                           "1",
+                                           "--out",
+                                           "out",
+                                           "--json",
+                                           "--move"});
+    EXPECT_THAT(result.code, testing::AnyOf(0, 1)) << result.err;
+    return json::parse(read_file(folder_ / "out/acquired.json"));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ScenePictures, AreAllKeptWhereThePartIsInItsPlace) {
+  const json told = acquired("[280, -120, 20]");
+  EXPECT_EQ(told["status"], "complete");
+  EXPECT_EQ(told["counts"]["accepted"], 1);
+  EXPECT_EQ(told["counts"]["rejected_now"], 0) << told["pictures"];
+  EXPECT_FALSE(fs::exists(folder_ / "out/rejected"));
+}
+
+TEST_F(ScenePictures, WithoutThePartLieApartWithTheReason) {
+  const json told = acquired("[280, 160, 20]");
+  EXPECT_EQ(told["status"], "partial");
+  EXPECT_EQ(told["counts"]["accepted"], 0);
+  EXPECT_EQ(told["counts"]["rejected_now"], 2) << "one and a retake";
+  ASSERT_EQ(told["pictures"].size(), 2U);
+  for (const json& picture : told["pictures"]) {
+    EXPECT_EQ(picture["accepted"], false);
+    EXPECT_THAT(picture["reason"].get<std::string>(), HasSubstr("the part is not in view"));
+    const std::string file = picture["file"].get<std::string>();
+    EXPECT_TRUE(file.starts_with("rejected/")) << file;
+    EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << file;
+  }
+  EXPECT_EQ(read_file(folder_ / "out/poses.csv").find("rejected"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace glint::test

@@ -17,6 +17,9 @@ namespace glint::validate_detail {
 
 inline constexpr double kLeastExposure = 0.01;  ///< smaller changes are nobody's concern
 inline constexpr double kLeastPower = 0.03;
+inline constexpr double kLeastLightMm = 0.5;
+inline constexpr double kLeastRoughness = 0.03;
+inline constexpr double kLeastBlurPx = 0.3;
 inline constexpr std::size_t kLeastVoices = 3;  ///< of which one that is wrong is outvoted
 
 /// Whether rounding leaves too little of a design to tell a wrong power by.

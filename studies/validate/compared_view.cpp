@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
+#include "metrics/inspection/inspector.h"
 #include "metrics/overlap/edge_location.h"
 #include "studies/compare/compare_page.h"
 #include "studies/compare/compare_result.h"
@@ -63,6 +65,10 @@ SeenContrasts contrasts_of(const InspectedPair& pair, double share) {
   for (std::size_t i = 0; i < pair.known.size(); ++i) {
     const SeenDefect& first = pair.simulated.defects[i];
     const SeenDefect& second = pair.real.defects[i];
+    const std::string_view kind =
+        kind_name(pair.known[i].is_line() ? DefectKind::kScratch : DefectKind::kHole);
+    seen.right_simulated += first.found_as == kind ? 1 : 0;
+    seen.right_real += second.found_as == kind ? 1 : 0;
     if (first.is_found && second.is_found) {
       ++seen.found_both;
       seen.same_class += first.found_as == second.found_as ? 1 : 0;
@@ -83,6 +89,8 @@ void SeenContrasts::add(const SeenContrasts& other) {
   defects += other.defects;
   found_simulated += other.found_simulated;
   found_real += other.found_real;
+  right_simulated += other.right_simulated;
+  right_real += other.right_real;
   same_class += other.same_class;
   found_both += other.found_both;
 }

@@ -35,6 +35,8 @@ struct SeenContrasts {
   int defects = 0;
   int found_simulated = 0;
   int found_real = 0;
+  int right_simulated = 0;  ///< of those found there, of the class that the defect has
+  int right_real = 0;
   int same_class = 0;  ///< of those found on both sides
   int found_both = 0;
 

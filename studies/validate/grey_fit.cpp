@@ -76,8 +76,13 @@ class GreyFitter {
     const bool is_searching = most > options.agree_share;
     const Fitted best =
         is_searching ? polished(searched(options.good_share), options.camera_covariance) : exposed;
+    std::vector<GreyValue> kept;
+    if (is_searching) {
+      kept = problem_.kept_values(best.state, best.system, left_at(best.state));
+    }
     for (std::size_t d = 0; d < fits.size(); ++d) {
       tell(best, d, fits[d]);
+      fits[d].kept = kept;
       if (!is_searching) {
         fits[d].faults = {GreyFault::kExposure};
         fits[d].values.resize(1);

@@ -58,13 +58,16 @@ struct GreyFit {
   bool is_known = false;          ///< false: too few pixels of the part, or no light
   std::vector<GreyFault> faults;  ///< that the pictures ask for; exposure is always free
   std::vector<GreyValue> values;  ///< of exposure and these
-  SceneChange change;             ///< the same for scenes; exposure with the design's power
-  double before = 0.0;            ///< rms of even differences, share of the mean grey
-  double exposed = 0.0;           ///< after an exposure of its own alone
-  double after = 0.0;             ///< after all
-  double rounding = 0.0;          ///< largest share by which rounding may change its exposure when
-                                  ///< it is as bright as designed; infinite: it is black
-  int renders = 0;                ///< of all designs
+  /// All others, as designed, with the sigma that they would have if they were free beside these;
+  /// of each design those of all. Empty where no cause was looked for.
+  std::vector<GreyValue> kept;
+  SceneChange change;     ///< the same for scenes; exposure with the design's power
+  double before = 0.0;    ///< rms of even differences, share of the mean grey
+  double exposed = 0.0;   ///< after an exposure of its own alone
+  double after = 0.0;     ///< after all
+  double rounding = 0.0;  ///< largest share by which rounding may change its exposure when
+                          ///< it is as bright as designed; infinite: it is black
+  int renders = 0;        ///< of all designs
 };
 
 struct GreyOptions {

@@ -377,4 +377,48 @@ double GreyProblem::take(const GreySystem& system, const VectorXd& step, GreySta
   return longest_mm;
 }
 
+namespace {
+
+std::string name_of_subject(const GreyModel& model, const GreyTerm& term) {
+  switch (term.fault) {
+    case GreyFault::kLightPower:
+      return model.designs()[term.of];
+    case GreyFault::kSegments:
+    case GreyFault::kLightPlace:
+      return model.lights()[term.of].name;
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+std::vector<GreyValue> GreyProblem::kept_values(const GreyState& state,
+                                                const GreySystem& free,
+                                                const GreyHalves& left) {
+  std::vector<GreyValue> values;
+  for (const GreyTerm& term : terms()) {
+    const bool is_free = std::ranges::any_of(
+        free.numbers, [&term](const GreyNumber& number) { return number.term == term; });
+    if (is_free) {
+      continue;
+    }
+    GreySystem system = free;
+    const GreySystem more = rough_system(state, term);
+    for (std::size_t i = 0; i < more.numbers.size(); ++i) {
+      system.add(more.column(i), more.numbers[i]);
+    }
+    Eigen::VectorXd sigma;
+    step_of(system, left, &sigma);
+    for (std::size_t i = 0; i < more.numbers.size(); ++i) {
+      values.push_back({.fault = term.fault,
+                        .light = name_of_subject(model_, term),
+                        .index = more.numbers[i].index,
+                        .value = term.fault == GreyFault::kLightPlace ? 0.0 : 1.0,
+                        .sigma = sigma[static_cast<Eigen::Index>(free.numbers.size() + i)]});
+    }
+  }
+  return values;
+}
+
 }  // namespace glint::validate_detail

@@ -110,6 +110,14 @@ class GreyProblem {
   /// looked at for the price of one rendering a number.
   GreySystem rough_system(const GreyState& state, const GreyTerm& term);
 
+  /// Each number that is not free, as designed, with the sigma that it would have if its term were
+  /// freed beside those that are: by the noise of pixels alone, with rough slopes.
+  /// @param free  slopes by the free numbers at the state
+  /// @param left  of the real grey values at the state
+  std::vector<GreyValue> kept_values(const GreyState& state,
+                                     const GreySystem& free,
+                                     const GreyHalves& left);
+
   /// Slopes of all grey values by a change of the camera. Costs a rendering.
   /// @param step  that the change is
   GreyHalves camera_slope(const GreyState& state, const CameraChange& change, double step);

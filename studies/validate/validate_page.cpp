@@ -21,6 +21,9 @@ const char* tone_of(const std::string& agreement) {
 
 std::vector<std::string> details_of(const Json& result) {
   std::vector<std::string> lines;
+  for (const Json& number : result["undetermined"]) {
+    lines.push_back(number["text"].get<std::string>());
+  }
   for (const char* key : {"advice", "notes"}) {
     for (const Json& line : result[key]) {
       lines.push_back(line.get<std::string>());

@@ -2,9 +2,11 @@
 #include "studies/validate/validate_result.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/median.h"
@@ -50,6 +52,23 @@ std::optional<double> mean_before(const Json& before) {
 
 Json estimated_json(const Estimate& estimate) {
   return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
+}
+
+Json seen_json(const validate_detail::SeenContrasts& seen) {
+  const auto share = [](int hits, int all) {
+    return all > 0 ? estimated_json(wilson(hits, all)) : Json(nullptr);
+  };
+  return {{"defects", seen.defects},
+          {"found_simulated", seen.found_simulated},
+          {"found_real", seen.found_real},
+          {"rate_simulated", share(seen.found_simulated, seen.defects)},
+          {"rate_real", share(seen.found_real, seen.defects)},
+          {"found_on_both", seen.found_both},
+          {"same_class", seen.same_class},
+          {"right_class_simulated", share(seen.right_simulated, seen.found_simulated)},
+          {"right_class_real", share(seen.right_real, seen.found_real)},
+          {"contrasts", seen.seen},
+          {"contrasts_apart", seen.apart}};
 }
 
 Json overlap_json(const std::string& design, const std::string& view, const ComparedPair& pair) {
@@ -202,6 +221,141 @@ SceneChange common_change(const ValidationFindings& findings) {
     change.roughness = median(roughness);
   }
   return change;
+}
+
+namespace {
+
+using validate_detail::kLeastBlurPx;
+using validate_detail::kLeastExposure;
+using validate_detail::kLeastLightMm;
+using validate_detail::kLeastPower;
+using validate_detail::kLeastRoughness;
+
+constexpr std::array<const char*, 3> kPlaceAxes = {"x_mm", "y_mm", "z_mm"};
+
+double matters_of(GreyFault fault) {
+  switch (fault) {
+    case GreyFault::kExposure:
+      return kLeastExposure;
+    case GreyFault::kLightPower:
+    case GreyFault::kSegments:
+      return kLeastPower;
+    case GreyFault::kLightPlace:
+      return kLeastLightMm;
+    case GreyFault::kRoughness:
+      break;
+  }
+  return kLeastRoughness;
+}
+
+class UndeterminedSearch {
+ public:
+  void look_at(const GreyFit& fit) {
+    for (const std::vector<GreyValue>* values : {&fit.values, &fit.kept}) {
+      for (const GreyValue& value : *values) {
+        look_at(value);
+      }
+    }
+  }
+
+  void look_at(Undetermined number) {
+    if (number.sigma && *number.sigma <= number.matters) {
+      return;
+    }
+    const auto same = std::ranges::find_if(found_, [&number](const Undetermined& other) {
+      return other.name == number.name && other.of == number.of && other.value == number.value;
+    });
+    if (same == found_.end()) {
+      found_.push_back(std::move(number));
+    } else if (same->sigma && number.sigma) {
+      same->sigma = std::max(*same->sigma, *number.sigma);
+    }
+  }
+
+  std::vector<Undetermined> found() { return std::move(found_); }
+
+ private:
+  void look_at(const GreyValue& value) {
+    const bool is_place = value.fault == GreyFault::kLightPlace;
+    const bool is_known = std::isfinite(value.sigma);
+    look_at({.name = name_of(value.fault),
+             .of = value.light,
+             .value = is_place ? kPlaceAxes.at(static_cast<std::size_t>(value.index)) : "factor",
+             .sigma = is_known ? std::optional(value.sigma) : std::nullopt,
+             .matters = matters_of(value.fault)});
+  }
+
+  std::vector<Undetermined> found_;
+};
+
+void look_at_part(const ValidationFindings& findings, UndeterminedSearch& search) {
+  const GeometryFit& fit = findings.geometry;
+  const Eigen::Matrix<double, 6, 1> sigma =
+      fit.is_known ? Eigen::Matrix<double, 6, 1>(fit.sigma.segment<6>(15)) : findings.part_sigma;
+  search.look_at({.name = "part_pose",
+                  .of = "",
+                  .value = "turned_deg",
+                  .sigma = sigma.head<3>().norm() * kDegPerRad,
+                  .matters = findings.limits.pose_rad * kDegPerRad});
+  search.look_at({.name = "part_pose",
+                  .of = "",
+                  .value = "moved_mm",
+                  .sigma = sigma.tail<3>().norm(),
+                  .matters = findings.limits.pose_mm});
+}
+
+std::string undetermined_text(const Undetermined& number) {
+  std::string name = number.name;
+  std::ranges::replace(name, '_', ' ');
+  const std::string sigma =
+      number.sigma ? fmt::format("known to {:.3g} (one standard deviation)", *number.sigma)
+                   : "the pictures tell nothing of it";
+  return fmt::format("{}{}, {}: undetermined, {}; {:.3g} would matter",
+                     name,
+                     number.of.empty() ? "" : " of " + number.of,
+                     number.value,
+                     sigma,
+                     number.matters);
+}
+
+}  // namespace
+
+std::vector<Undetermined> undetermined_of(const ValidationFindings& findings) {
+  UndeterminedSearch search;
+  for (const DesignGrey& grey : findings.grey) {
+    if (grey.fit.is_known) {
+      search.look_at(grey.fit);
+    } else {
+      search.look_at({.name = "light_power",
+                      .of = grey.design,
+                      .value = "factor",
+                      .sigma = std::nullopt,
+                      .matters = kLeastPower});
+    }
+  }
+  look_at_part(findings, search);
+  if (!findings.blur_px2) {
+    search.look_at({.name = "blur",
+                    .of = "",
+                    .value = "added_px",
+                    .sigma = std::nullopt,
+                    .matters = kLeastBlurPx});
+  }
+  return search.found();
+}
+
+Json undetermined_json(const std::vector<Undetermined>& numbers) {
+  Json list = Json::array();
+  for (const Undetermined& number : numbers) {
+    Json row = {{"name", number.name}};
+    row["of"] = number.of.empty() ? Json(nullptr) : Json(number.of);
+    row["value"] = number.value;
+    row["sigma"] = number.sigma ? Json(*number.sigma) : Json(nullptr);
+    row["matters"] = number.matters;
+    row["text"] = undetermined_text(number);
+    list.push_back(std::move(row));
+  }
+  return list;
 }
 
 }  // namespace glint

@@ -17,7 +17,6 @@
 #include "core/log.h"
 #include "core/median.h"
 #include "core/wall_clock.h"
-#include "metrics/statistics/estimate.h"
 #include "studies/compare/camera/scene_camera.h"
 #include "studies/compare/causes.h"
 #include "studies/compare/compare_page.h"
@@ -66,6 +65,7 @@ class ValidateRun {
     const ValidatedDesign& first = sources_.designs.front();
     findings_.limits = first.scene.validate.value_or(ValidateSettings{});
     budget_ = budget_of(first.scene, sources_.notes);
+    findings_.part_sigma = budget_.part_sigma;
     bar_.emplace("validate", steps(), options_.progress);
     compare_all(stage.path());
     fit_all();
@@ -346,6 +346,7 @@ class ValidateRun {
     result["verdict"] = told["sentence"];
     result["causes"] = told["causes"];
     result["advice"] = told["advice"];
+    result["undetermined"] = undetermined_json(undetermined_of(findings_));
     result["is_calibrated"] = sources_.is_calibrated;
     result["before"] = before_;
     result["edges"] = edges_json(findings_, verdict.edge_limit_px, before_);
@@ -366,19 +367,7 @@ class ValidateRun {
     const auto found = scores_.find(name);
     Json row = {{"name", name}, {"views", sources_.designs[index].real.views.size()}};
     row["scores"] = found == scores_.end() ? Json(nullptr) : both_scores_json(found->second);
-    const SeenContrasts& seen = seen_[index];
-    const auto rate = [&](int hits) {
-      return seen.defects > 0 ? estimated_json(wilson(hits, seen.defects)) : Json(nullptr);
-    };
-    row["inspection"] = {{"defects", seen.defects},
-                         {"found_simulated", seen.found_simulated},
-                         {"found_real", seen.found_real},
-                         {"rate_simulated", rate(seen.found_simulated)},
-                         {"rate_real", rate(seen.found_real)},
-                         {"found_on_both", seen.found_both},
-                         {"same_class", seen.same_class},
-                         {"contrasts", seen.seen},
-                         {"contrasts_apart", seen.apart}};
+    row["inspection"] = seen_json(seen_[index]);
     return row;
   }
 

@@ -17,15 +17,15 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using validate_detail::kLeastBlurPx;
 using validate_detail::kLeastExposure;
+using validate_detail::kLeastLightMm;
 using validate_detail::kLeastPower;
+using validate_detail::kLeastRoughness;
 
 constexpr double kSigmas = 4.0;        ///< below that a change of grey values is noise
 constexpr double kBudgetSigmas = 3.0;  ///< of what calibration and placement predict
-constexpr double kLeastLightMm = 0.5;
-constexpr double kLeastRoughness = 0.03;
-constexpr double kLeastBlurPx = 0.3;
-constexpr double kDeadPower = 0.3;  ///< a segment below that is called dead
+constexpr double kDeadPower = 0.3;     ///< a segment below that is called dead
 
 double degrees(double rad) {
   return rad * 180.0 / kPi;

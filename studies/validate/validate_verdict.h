@@ -45,6 +45,8 @@ struct ValidationFindings {
   ValidateSettings limits;
   std::optional<double> distance_px;  ///< of edges, mean over the pictures; empty: none were found
   GeometryFit geometry;
+  /// Of the part before its edges are looked at: GeometryBudget::part_sigma.
+  Eigen::Matrix<double, 6, 1> part_sigma = Eigen::Matrix<double, 6, 1>::Zero();
   std::vector<DesignGrey> grey;
   std::optional<double> texture;   ///< log10 of the ratio of spectra, median over the pictures
   std::optional<double> blur_px2;  ///< real minus simulated square of the edges' blur, median

@@ -62,11 +62,12 @@ function scoreRows(data) {
   return data.designs.flatMap((design) => names.filter((name) => design.scores?.[name]).map((name) => h('tr', {}, h('td', {}, `${design.name}: ${name}`), cell(estimate(design.scores[name].simulated)), cell(estimate(design.scores[name].real)))));
 }
 
-function foundRow(design) {
+function foundRows(design) {
   const seen = design.inspection;
-  if (!seen.defects) return null;
+  if (!seen.defects) return [];
   const rate = (value) => (value ? `${percent(value.value, 0)} (${percent(value.low, 0)} to ${percent(value.high, 0)})` : '\u2013');
-  return h('tr', {}, h('td', {}, `${design.name}: defects found of ${seen.defects}; of ${seen.found_on_both} on both sides ${seen.same_class} of the same class`), cell(rate(seen.rate_simulated)), cell(rate(seen.rate_real)));
+  return [h('tr', {}, h('td', {}, `${design.name}: defects found of ${seen.defects}; of ${seen.found_on_both} on both sides ${seen.same_class} of the same class`), cell(rate(seen.rate_simulated)), cell(rate(seen.rate_real))),
+    h('tr', {}, h('td', {}, `${design.name}: found ones of the right class`), cell(rate(seen.right_class_simulated)), cell(rate(seen.right_class_real)))];
 }
 
 export function rankingSection(facts) {
@@ -76,7 +77,7 @@ export function rankingSection(facts) {
   const verdict = (pair) => (pair.against ? badge('bad', 'reversed') : pair.level ? badge('neutral', 'cannot be told') : badge('good', 'the same'));
   const row = (pair) => h('tr', {}, h('td', {}, `${pair.first} against ${pair.second}`), cell(estimate(pair.simulated)), cell(estimate(pair.real)), h('td', {}, verdict(pair)));
   return section('sides', 'Designs on both sides', ranking ? `By ${data.objective.name}: simulated ${ranking.simulated.join(', ')}; in reality ${ranking.real.join(', ')}.` : null,
-    table(['score', 'simulated', 'real'], [...scoreRows(data), ...data.designs.map(foundRow)].filter(Boolean)),
+    table(['score', 'simulated', 'real'], [...scoreRows(data), ...data.designs.flatMap(foundRows)].filter(Boolean)),
     ranking?.pairs.length > 0 && h('h3', {}, 'Ranking'), ranking?.pairs.length > 0 && table(['first is better by', 'simulated', 'real', 'order'], ranking.pairs.map(row)));
 }
 

@@ -105,6 +105,13 @@ TEST(GreyFit, FindsALightThatShadesAnother) {
         << place_of(fit, "ring").transpose();
     EXPECT_TRUE(place_of(fit, "dome").isZero()) << place_of(fit, "dome").transpose();
     EXPECT_LT(fit.after, 0.5 * fit.exposed);
+    // What was left as designed has a sigma too, what was freed is not among it.
+    EXPECT_EQ(std::ranges::count(fit.kept, std::string("ring"), &GreyValue::light), 8)
+        << "the powers of its segments alone";
+    const auto dome = std::ranges::find(fit.kept, GreyFault::kLightPlace, &GreyValue::fault);
+    ASSERT_NE(dome, fit.kept.end());
+    EXPECT_EQ(dome->light, "dome");
+    EXPECT_GT(dome->sigma, 0.0);
   }
 }
 

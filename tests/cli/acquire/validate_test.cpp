@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint validate` on pictures that are there: what it tells, and its exit codes.
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "tests/cli/program.h"
+
+namespace glint::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// Ring or bar above a plate with a dent.
+constexpr const char* kRingOrBar = R"(schema = 2
+[part]
+shape = "plate"
+length_mm = 16
+width_mm = 12
+[material]
+type = "conductor"
+roughness = 0.3
+[camera]
+width_px = 120
+height_px = 90
+object_pixel_mm = 0.2
+working_distance_mm = 100
+[sensor]
+exposure = 0.5
+bits = 12
+full_well_e = 10000
+[render.paths]
+samples = 32
+max_reflections = 1
+[lighting.ring]
+mount = "camera"
+segments = 4
+[lighting.bar]
+position_mm = [0, 60, 60]
+direction = [0, -1, -1]
+[defects.dent]
+diameter_mm = 3
+height_um = 100
+[prototypes.ring]
+"lighting.bar.radiance" = [0]
+[prototypes.bar]
+"lighting.ring.radiance" = [0]
+[validate]
+designs = "bar"
+)";
+
+class Validate : public testing::Test {
+ protected:
+  void SetUp() override {
+    write_file(folder_ / "study.toml", kRingOrBar);
+    const ProgramResult run = glint_in(folder_, {"run", "study.toml", "--quiet", "--out", "run"});
+    ASSERT_EQ(run.code, 0) << run.err;
+  }
+
+  /// Photographs whose exposure is so many times that of the design.
+  void photograph(const std::string& exposure) {
+    const ProgramResult taken = glint_in(folder_,
+                                         {"render",
+                                          "run/bar/scene.toml",
+                                          "--set",
+                                          "sensor.seed=9",
+                                          "--set",
+                                          "sensor.exposure=" + exposure,
+                                          "--quiet",
+                                          "--out",
+                                          "photos/bar"});
+    ASSERT_EQ(taken.code, 0) << taken.err;
+  }
+
+  ProgramResult validate(const Arguments& more) {
+    Arguments call = {"validate", "run", "--pictures", "photos", "--out", "out"};
+    call.insert(call.end(), more.begin(), more.end());
+    return glint_in(folder_, call);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Validate, AgreesWithExitCodeZero) {
+  photograph("0.5");
+  const ProgramResult result = validate({"--json"});
+  EXPECT_EQ(result.code, 0) << result.err << result.out;
+  EXPECT_NE(json::parse(result.out)["agreement"], "does_not_agree");
+}
+
+TEST_F(Validate, DisagreesWithExitCodeOne) {
+  photograph("0.3");
+  const ProgramResult result = validate({});
+  EXPECT_EQ(result.code, 1) << result.err << result.out;
+  EXPECT_THAT(result.out, HasSubstr("Simulation and reality do not agree: exposure"));
+  EXPECT_EQ(json::parse(read_file(folder_ / "out/result.json"))["agreement"], "does_not_agree");
+}
+
+// The ring is dark in the only design that was photographed: where it is nobody can tell.
+TEST_F(Validate, TellsWhatARefitCannotDetermineInTextFileAndPage) {
+  photograph("0.5");
+  const ProgramResult result = validate({"--refit"});
+  EXPECT_EQ(result.code, 0) << result.err << result.out;
+  const json told = json::parse(read_file(folder_ / "out/result.json"));
+  bool has_ring = false;
+  for (const json& number : told["undetermined"]) {
+    has_ring = has_ring || (number["name"] == "light_place" && number["of"] == "ring");
+    const std::string text = number["text"].get<std::string>();
+    EXPECT_THAT(text, HasSubstr("undetermined"));
+    EXPECT_THAT(result.out, HasSubstr(text));
+    EXPECT_THAT(read_file(folder_ / "out/report.html"), HasSubstr(text));
+  }
+  EXPECT_TRUE(has_ring) << told["undetermined"];
+  const json& inspected = told["designs"][0]["inspection"];
+  for (const char* side : {"simulated", "real"}) {
+    const bool is_found = inspected[std::string("found_") + side].get<int>() > 0;
+    EXPECT_EQ(inspected[std::string("right_class_") + side].is_object(), is_found) << inspected;
+  }
+}
+
+}  // namespace
+}  // namespace glint::test

@@ -10,6 +10,7 @@
 #include "studies/cell/typed_permit.h"
 #include "studies/plan/plan_page.h"
 #include "studies/plan/plan_run.h"
+#include "studies/reach/scene_cell.h"
 #include "studies/validate_cell/validate_cell_run.h"
 #include "studies/validate_cell/validation_steps.h"
 
@@ -61,6 +62,9 @@ std::string validation_text(const Json& result) {
       text += fmt::format(
           "    {:<12} {:>10} +- {}\n", name, cell(value["value"], 4), cell(value["sigma"], 4));
     }
+  }
+  for (const Json& number : result["undetermined"]) {
+    text += fmt::format("  {}\n", number["text"].get<std::string>());
   }
   for (const char* key : {"advice", "notes"}) {
     for (const Json& line : result[key]) {
@@ -114,16 +118,39 @@ AcquireAnswer told_steps(const std::vector<std::string>& steps) {
   return {.json = {{"validate", steps}}, .text = text};
 }
 
+/// Each design that is to be tried out, as the run has it, planned for the cell. @return JSON:
+/// plans
 AcquireAnswer planned_end(const Study& study,
                           const std::filesystem::path& run,
                           const std::filesystem::path& cell,
                           int threads) {
-  const std::filesystem::path out = std::filesystem::absolute(run).parent_path() / "plan";
-  const Json plan = plan_study(study, {.cell = cell, .out = out, .run = run, .threads = threads});
+  const std::filesystem::path plans = std::filesystem::absolute(run).parent_path() / "plan";
   AcquireAnswer answer = told_steps(validation_steps(study, run, cell));
-  answer.json["plan"] = plan;
-  answer.text = plan_sentence(plan) + "\n" + answer.text;
+  answer.json["plans"] = Json::array();
+  std::string text;
+  for (const std::string& design : designs_to_validate(study)) {
+    const std::filesystem::path scene = run / design / "scene.toml";
+    if (!std::filesystem::exists(scene)) {
+      text += fmt::format("{}: not planned: the run has no such design\n", design);
+      continue;
+    }
+    Json plan = plan_study(load_study(scene, {}),
+                           {.cell = cell, .out = plans / design, .run = run, .threads = threads});
+    text += fmt::format("{}: {}\n", design, plan_sentence(plan));
+    plan["design"] = design;
+    answer.json["plans"].push_back(std::move(plan));
+  }
+  answer.text = text + answer.text;
   return answer;
+}
+
+/// The cell that is named on the command line, else by the study, if its scene lies in it.
+std::filesystem::path planned_cell(const Study& study, const AcquireArguments& driven) {
+  if (!driven.cell.empty() || !study.scene.cell || study.scene.cell->file.empty()) {
+    return driven.cell;
+  }
+  const std::filesystem::path& file = study.scene.cell->file;
+  return has_cell_chain(study.scene, read_cell(file)) ? file : std::filesystem::path();
 }
 
 /// The command that goes on without a search.
@@ -149,11 +176,10 @@ AcquireAnswer end_of_run(const Study& study,
                          const AcquireArguments& driven,
                          int threads,
                          Progress::Style progress) {
-  if (driven.cell.empty()) {
-    return told_steps(validation_steps(study, run, "CELL.toml"));
-  }
   if (!driven.is_move) {
-    return planned_end(study, run, driven.cell, threads);
+    const std::filesystem::path cell = planned_cell(study, driven);
+    return cell.empty() ? told_steps(validation_steps(study, run, "CELL.toml"))
+                        : planned_end(study, run, cell, threads);
   }
   AcquireArguments on_robot = driven;
   on_robot.out = std::filesystem::absolute(run).parent_path() / "validate";

@@ -24,8 +24,9 @@ struct ValidationArguments {
   std::string again = "the same command";  ///< that goes on when a prototype is mounted
 };
 
-/// How `glint run` ends on a study with [validate]: without a cell by the commands that validate,
-/// with one by the plan of its views, and with --move by validating.
+/// How `glint run` ends on a study with [validate]: by the commands that validate, with a cell, of
+/// the command line or of the study, also by a plan of each design's views, and with --move, which
+/// needs the one of the command line, by validating.
 /// @param run     folder of the run, which is done
 /// @param driven  its cell, twin, --move, speed and confirmed lights
 /// @return json: members of the run's result

@@ -101,7 +101,13 @@ const std::vector<MovingVerb> kMovingVerbs = {
     {{"validate", "run", "--cell", "cell.toml"}},
     {{"calibrate", "--cell", "cell.toml", "--board", "board.toml"}},
     {{"calibrate", "--cell", "cell.toml", "--part", "part.toml", "--camera", "camera"}},
-    {{"run", "study.toml", "--cell", "cell.toml", "--out", "run", "--quiet"}, 0}};
+    {{"run", "study.toml", "--cell", "cell.toml", "--out", "named/run", "--quiet"}, 0},
+    {{"run", "in_cell.toml", "--out", "own/run", "--quiet"}, 0}};
+
+/// The same with the cell named by the study.
+std::string study_in_cell() {
+  return edited(kValidatedStudy, {{"[cell.base", "[cell]\nfile = \"cell.toml\"\n[cell.base"}});
+}
 
 TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
   const TemporaryFolder folder;
@@ -112,6 +118,7 @@ TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
   write_file(folder / "cell.toml",
              cell_text(rtde.port(), primary.port(), secondary.port(), dashboard.port()));
   write_file(folder / "study.toml", kValidatedStudy);
+  write_file(folder / "in_cell.toml", study_in_cell());
   std::vector<Arguments> calls;
   for (const MovingVerb& verb : kMovingVerbs) {
     calls.push_back(verb.arguments);
@@ -126,11 +133,35 @@ TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
       EXPECT_THAT(results[i].err, HasSubstr("--move"));
     }
   }
-  EXPECT_TRUE(std::filesystem::exists(folder / "plan/plan.json")) << "the run comes to its end";
+  for (const char* plan : {"named/plan/baseline/plan.json", "own/plan/baseline/plan.json"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder / plan)) << "the run comes to its end: " << plan;
+  }
   for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
     EXPECT_EQ(peer->connections(), 0);
     EXPECT_EQ(peer->bytes(), 0);
   }
+}
+
+// Designs are planned as they are built, whatever the study's own scene is: the wide ring is in the
+// arm's way.
+TEST(Cell, ARunPlansEachDesignForTheStudysCellAndTellsHowToAcquireIt) {
+  const TemporaryFolder folder;
+  write_file(folder / "cell.toml", cell_text(1, 1, 1, 1));
+  write_file(folder / "study.toml",
+             study_in_cell() + "designs = \"narrow,wide\"\n[prototypes.narrow]\n" +
+                 "\"lighting.ring.outer_radius_mm\" = 50\n[prototypes.wide]\n" +
+                 "\"lighting.ring.outer_radius_mm\" = 400\n");
+  const ProgramResult result = glint_in(folder, {"run", "study.toml", "--out", "run"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("narrow: 1 of 1 views can be taken"));
+  EXPECT_THAT(result.out, HasSubstr("wide: 0 of 1 views can be taken"));
+  for (const char* design : {"narrow", "wide"}) {
+    EXPECT_THAT(result.out,
+                HasSubstr(fmt::format("glint acquire run/{}/scene.toml --cell ", design)));
+  }
+  EXPECT_THAT(result.out, HasSubstr("glint validate run --pictures acquired"));
+  const std::string plan = read_file(folder / "plan/narrow/plan.json");
+  EXPECT_EQ(json::parse(plan)["views"][0]["outcome"], "planned");
 }
 
 // The control: with --move somebody is called, so the peers above would have counted.

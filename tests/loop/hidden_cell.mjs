@@ -30,6 +30,17 @@ export function rotation(v) {
   ];
 }
 
+/// The angle between two rotations, degrees. Of rotation vectors in rad.
+export function angleBetween_deg(a, b) {
+  const [first, second] = [rotation(a), rotation(b)];
+  let trace = 0;
+  for (let i = 0; i < 3; ++i) for (let k = 0; k < 3; ++k) trace += first[k][i] * second[k][i];
+  return (Math.acos(Math.min(1, (trace - 1) / 2)) * 180) / Math.PI;
+}
+
+/// Of the hidden camera on the flange, a rotation vector.
+export const hiddenTurn_rad = (source) => hidden(source, "camera_rotation_deg").map((angle) => (angle * Math.PI) / 180);
+
 const less = (a, b) => a.map((x, i) => x - b[i]);
 const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
 const unit = (a) => a.map((x) => x / Math.hypot(...a));
@@ -44,7 +55,7 @@ function views(source) {
 
 /// From the camera of the drawing to the hidden one, which the flange takes along.
 function hiddenCamera(source) {
-  const turn = rotation(hidden(source, "camera_rotation_deg").map((angle) => (angle * Math.PI) / 180));
+  const turn = rotation(hiddenTurn_rad(source));
   const shift = less(hidden(source, "camera_position_mm"), DRAWN_MM);
   return (point) => [0, 1, 2].map((i) => dot(turn.map((row) => row[i]), less(point, shift)));
 }

@@ -8,7 +8,7 @@ import { spawnSync } from "node:child_process";
 import { readFileSync, rmSync } from "node:fs";
 import path from "node:path";
 
-import { hidden, predictedOffset_px } from "./hidden_cell.mjs";
+import { angleBetween_deg, hidden, hiddenTurn_rad, predictedOffset_px } from "./hidden_cell.mjs";
 
 const [program, source, folder, width = "306", samples = "64", pace = ""] = process.argv.slice(2);
 const isQuick = pace === "quick";
@@ -41,10 +41,16 @@ const eye = readJson("calibrate/calibration/calibration.json").hand_eye;
 const truth = hidden(source, "camera_position_mm");
 const off = Math.hypot(...eye.translation_mm.map((x, i) => x - truth[i]));
 expect(`hand-eye off by ${off.toFixed(3)} mm, sigma`, eye.sigma_mm.toFixed(3), off < 2.5 * eye.sigma_mm);
+const turned = angleBetween_deg(eye.rotation_vector_rad, hiddenTurn_rad(source));
+expect(`hand-eye turned by ${turned.toFixed(4)} degrees, sigma`, eye.sigma_deg.toFixed(4), turned < 2.5 * eye.sigma_deg);
 
 const result = readJson("validate/result.json");
 expect("agreement", result.agreement, result.agreement !== "does_not_agree");
-expect("ranking", JSON.stringify(result.ranking.agrees ?? null), result.ranking.agrees !== false);
+// The order itself: a pair that cannot be told is against nothing, and proves nothing either.
+const orders = [result.ranking?.simulated ?? [], result.ranking?.real ?? []].map((order) => order.join(", "));
+expect("simulated ranking, real ranking", orders.join(" | "), orders[0] === orders[1] && orders[0] !== "");
+const level = (result.ranking?.pairs ?? []).filter((pair) => pair.level).map((pair) => `${pair.first}/${pair.second}`);
+console.log(`      pairs whose order intervals do not tell: ${level.join(", ") || "none"}`);
 const { before_calibration_px: before, mean_distance_px: after } = result.edges;
 const predicted = predictedOffset_px(source, Number(width));
 expect(`edges before the calibration, predicted ${predicted.toFixed(2)} px`, before,

@@ -42,24 +42,29 @@ if [[ -n ${SEED:-} ]]; then
 fi
 
 # A cell whose camera sees the truth, or the board where the part will lie.
-cell_of() {  # NAME TRUTH-FILES...
-  local name=$1 includes=""
-  shift
+cell_of() {  # NAME CALIBRATION TRUTH-FILES...
+  local name=$1 calibration=$2 includes=""
+  shift 2
   for file in "$@"; do includes+="\"$file\", "; done
   printf 'schema = 2\ninclude = [%s]\n%s\n' "${includes%, }" "$truth" >"$out/truth_$name.toml"
-  printf 'include = ["%s"]\n[twin]\ntruth = "truth_%s.toml"\nmotion_speedup = %s\n' \
-    "$here/cell.toml" "$name" "${SPEEDUP:-10}" >"$out/cell_$name.toml"
+  printf 'include = ["%s"]\n[calibration]\nfile = "%s"\n[twin]\ntruth = "truth_%s.toml"\nmotion_speedup = %s\n' \
+    "$here/cell.toml" "$calibration" "$name" "${SPEEDUP:-10}" >"$out/cell_$name.toml"
 }
 
 "$glint" calibrate --print_board "$here/board.toml" --out "$out/board"
-cell_of board "$here/hidden.toml" "$out/board/board_part.toml"
-cell_of part "$here/truth.toml"
+cell_of board "$here/drawing.toml" "$here/hidden.toml" "$out/board/board_part.toml"
+cell_of part "$out/calibrate/calibration/calibration.toml" "$here/truth.toml"
 printf 'schema = 2\ninclude = ["%s"]\n%s\n' "$here/study.toml" "$resize" >"$out/study.toml"
 
 # 1. The camera's lens and its place on the flange.
 "$glint" cell twin both "$out/cell_board.toml" --port 0 --detach --ready_file "$ready"
 "$glint" calibrate --cell "$out/cell_board.toml" --twin "$ready" --board "$here/board.toml" \
-  --target_px "${TARGET_PX:-0.3}" --out "$out/calibrate" --move || echo "going on with this calibration"
+  --target_px "${TARGET_PX:-0.3}" --out "$out/calibrate" --move || status=$?
+if [[ ${status:-0} -eq 1 ]]; then
+  echo "going on with this calibration"
+elif [[ ${status:-0} -ne 0 ]]; then
+  exit "$status"  # no calibration at all
+fi
 twins_down
 [[ -z ${CALIBRATE_ONLY:-} ]] || exit 0
 
@@ -75,5 +80,5 @@ done
 twins_down
 
 # 4. Do both sides agree?
-"$glint" validate "$out/run" --pictures "$out/acquired" --calibration "$out/calibrate/calibration/calibration.toml" \
+"$glint" validate "$out/run" --pictures "$out/acquired" \
   --designs "${designs// /,}" --refit --out "$out/validate"

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "core/config/toml.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/text.h"
@@ -43,6 +44,11 @@ std::vector<std::string> designs_in(const fs::path& run) {
 
 std::string told(const std::vector<std::string>& names) {
   return names.empty() ? "none" : join(names, ", ");
+}
+
+/// A file that says where the camera is by drawing, alone, calibrates nothing.
+bool tells_camera(const fs::path& calibration) {
+  return !calibration.empty() && load_toml(calibration).find("camera") != nullptr;
 }
 
 class Finder {
@@ -133,7 +139,7 @@ class Finder {
     sources_.notes.insert(sources_.notes.end(), design.real.notes.begin(), design.real.notes.end());
     design.scene = design.nominal;
     const fs::path calibration = calibration_.empty() ? design.real.calibration : calibration_;
-    if (!calibration.empty()) {
+    if (!calibration_.empty() || tells_camera(calibration)) {
       take_calibration(calibration, design.scene);
       sources_.is_calibrated = true;
     }

@@ -9,7 +9,9 @@
 #include "core/config/config.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/thread_pool.h"
 #include "studies/definition/study.h"
+#include "studies/validate/validated_designs.h"
 #include "tests/studies/validate/trial_cell.h"
 #include "tests/support/temporary_folder.h"
 
@@ -72,6 +74,26 @@ TEST_F(PicturesOfAWinner, AreRefusedWhereAnEarlierOneHadOtherLights) {
   fs::remove(folder_ / "pictures/winner/acquired.json");
   EXPECT_THAT(error(), testing::Not(HasSubstr("holds pictures of")))
       << "a scene that somebody put there";
+}
+
+// What a cell that is not calibrated yet names is where the drawing has the camera.
+TEST(PicturesOfACell, AreCalibratedByAFileThatTellsTheCamera) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {}, {"ring"}, 1);
+  const fs::path acquired = folder / "pictures/ring/acquired.json";
+  auto json = nlohmann::ordered_json::parse(read_file(acquired));
+  json["calibration"] = "calibration.toml";
+  write_file(acquired, json.dump());
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  const auto is_calibrated = [&](const std::string& calibration) {
+    write_file(folder / "pictures/ring/calibration.toml", calibration);
+    return find_validated(folder / "run", folder / "pictures", "ring", {}, store).is_calibrated;
+  };
+  const std::string drawing = "[calibration.flange_from_camera]\ntranslation_mm = [0, 50, 30]\n";
+  EXPECT_FALSE(is_calibrated(drawing));
+  EXPECT_TRUE(is_calibrated(drawing + "[camera]\nwidth_px = 204\nheight_px = 170\npixel_um = 41.4\n"
+                                      "object_pixel_mm = 0.3\nworking_distance_mm = 180\n"));
 }
 
 }  // namespace

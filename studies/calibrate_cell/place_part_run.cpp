@@ -17,6 +17,7 @@
 #include "studies/calibrate_cell/round_pictures.h"
 #include "studies/cell/pose_numbers.h"
 #include "studies/definition/scene.h"
+#include "studies/reach/scene_cell.h"
 
 namespace glint {
 namespace {
@@ -30,13 +31,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kLeastPictures = 2;
 constexpr int kMostPasses = 4;
 constexpr double kSettled_px = 0.1;  ///< the part moved less: rendering it again tells nothing new
-
-Isometry3d isometry_of(const RigidTransform& transform) {
-  Isometry3d pose = Isometry3d::Identity();
-  pose.linear() = transform.rotation;
-  pose.translation() = transform.translation_mm;
-  return pose;
-}
 
 class PartPlacing {
  public:

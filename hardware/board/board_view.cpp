@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-
 #include <utility>
 
 #include <fmt/format.h>
@@ -30,7 +29,7 @@ std::string outcome_name(BoardOutcome outcome) {
   return kNames[static_cast<std::size_t>(outcome)];
 }
 
-BoardView refused(BoardOutcome outcome, std::string why) {
+BoardView refused_view(BoardOutcome outcome, std::string why) {
   return {.outcome = outcome, .why = std::move(why)};
 }
 

@@ -45,7 +45,7 @@ struct BoardView {
 };
 
 /// A picture that was not accepted.
-BoardView refused(BoardOutcome outcome, std::string why);
+BoardView refused_view(BoardOutcome outcome, std::string why);
 
 /// No board of the kind looked for, but a larger one.
 BoardView refused_as_larger(const Board& board, const Eigen::Vector2i& larger_grid);

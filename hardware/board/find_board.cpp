@@ -84,13 +84,14 @@ BoardView without_board(PictureLevels& levels) {
   constexpr double kDark = 0.06;
   const double bright = grey_quantile(coarse, 0.995);
   if (bright < kDark) {
-    return refused(BoardOutcome::kDark,
-                   fmt::format("its brightest parts reach {:.1f} % of full scale", 100.0 * bright));
+    return refused_view(
+        BoardOutcome::kDark,
+        fmt::format("its brightest parts reach {:.1f} % of full scale", 100.0 * bright));
   }
   if (grey_quantile(coarse, 0.5) >= levels.clipped_value()) {
-    return refused(BoardOutcome::kSaturated, "half of its pixels are at full scale");
+    return refused_view(BoardOutcome::kSaturated, "half of its pixels are at full scale");
   }
-  return refused(BoardOutcome::kNoBoard, "no part of a checkerboard was found");
+  return refused_view(BoardOutcome::kNoBoard, "no part of a checkerboard was found");
 }
 
 /// Of a picture with a part of a board.
@@ -98,11 +99,11 @@ BoardView incomplete(PictureLevels& levels, const Board& board, const BestGrid& 
   const std::string found =
       fmt::format("{} of {} corners were found", best.found.num_found, num_corners(board));
   if (best.found.num_beyond > std::min(board.cols, board.rows) / 2) {
-    BoardView view = refused(BoardOutcome::kNoBoard,
-                             fmt::format("a grid of {} corners, the board has {} x {}",
-                                         best.grid.size(),
-                                         board.cols,
-                                         board.rows));
+    BoardView view = refused_view(BoardOutcome::kNoBoard,
+                                  fmt::format("a grid of {} corners, the board has {} x {}",
+                                              best.grid.size(),
+                                              board.cols,
+                                              board.rows));
     if (best.found.num_found == num_corners(board)) {
       view.larger_grid = larger_grid(board, best.grid);
     }
@@ -110,12 +111,12 @@ BoardView incomplete(PictureLevels& levels, const Board& board, const BestGrid& 
   }
   const MissingPart missing = missing_part(levels, board, best.level, best.points, best.grid);
   if (missing.reaches_border) {
-    return refused(BoardOutcome::kCutOff, found + ", the board reaches the picture's border");
+    return refused_view(BoardOutcome::kCutOff, found + ", the board reaches the picture's border");
   }
   if (missing.clipped_share > 0.1) {
-    return refused(BoardOutcome::kSaturated, found + ", beside them light is clipped");
+    return refused_view(BoardOutcome::kSaturated, found + ", beside them light is clipped");
   }
-  return refused(BoardOutcome::kNoBoard, found);
+  return refused_view(BoardOutcome::kNoBoard, found);
 }
 
 BoardView find_checkerboard(PictureLevels& levels, const Board& board) {
@@ -154,12 +155,12 @@ BoardView find_checkerboard(PictureLevels& levels, const Board& board) {
 BoardView find_board(const Pixels& picture, const Board& board) {
   PictureLevels levels(picture);
   if (std::min(levels.width(), levels.height()) < kSmallestSide) {
-    return refused(BoardOutcome::kNoBoard,
-                   fmt::format("the picture has {} x {} pixels, at least {} x {} are needed",
-                               levels.width(),
-                               levels.height(),
-                               kSmallestSide,
-                               kSmallestSide));
+    return refused_view(BoardOutcome::kNoBoard,
+                        fmt::format("the picture has {} x {} pixels, at least {} x {} are needed",
+                                    levels.width(),
+                                    levels.height(),
+                                    kSmallestSide,
+                                    kSmallestSide));
   }
   return board.kind == BoardKind::kCharuco ? find_charuco(levels, board)
                                            : find_checkerboard(levels, board);

@@ -215,18 +215,19 @@ std::optional<BoardPlane> fine_plane(const PictureLevels& levels, const FittedBo
 /// What keeps measured corners from being used: the view, refused, or as it is.
 BoardView judged(BoardView view, double most_blur) {
   if (view.contrast < std::max(kLeastContrast, kFewestNoises * view.noise)) {
-    return refused(
+    return refused_view(
         BoardOutcome::kDark,
         fmt::format("white differs from black by {:.1f} % of full scale, noise is {:.1f} %",
                     100.0 * view.contrast,
                     100.0 * view.noise));
   }
   if (most_blur > kMostBlur) {
-    return refused(BoardOutcome::kBlurred,
-                   fmt::format("edges are blurred by {:.0f} % of a square, at most {:.0f} % are "
-                               "allowed",
-                               100.0 * most_blur,
-                               100.0 * kMostBlur));
+    return refused_view(
+        BoardOutcome::kBlurred,
+        fmt::format("edges are blurred by {:.0f} % of a square, at most {:.0f} % are "
+                    "allowed",
+                    100.0 * most_blur,
+                    100.0 * kMostBlur));
   }
   return view;
 }
@@ -302,13 +303,13 @@ BoardView measured_board(PictureLevels& levels,
   const CornerGrid grid = board_part(board, whole_grid, placements.front());
   const auto plane = plane_of(levels, level, points, grid);
   if (!plane) {
-    return refused(BoardOutcome::kNoBoard, "the corners lie on a line");
+    return refused_view(BoardOutcome::kNoBoard, "the corners lie on a line");
   }
   const ChosenPlacement choice =
       chosen(levels, level, board, *plane, placements, points[grid.front().point].contrast);
   const auto outside = corner_outside(levels, level, board, *plane, choice.placement);
   if (outside) {
-    return refused(
+    return refused_view(
         BoardOutcome::kCutOff,
         fmt::format("the corner at column {}, row {} lies outside the picture or at its border",
                     outside->x(),
@@ -320,12 +321,12 @@ BoardView measured_board(PictureLevels& levels,
     find_fault(fitted);
   }
   if (!fitted.fault.empty()) {
-    return refused(fitted.outcome, fitted.fault);
+    return refused_view(fitted.outcome, fitted.fault);
   }
   const auto fine = fine_plane(levels, fitted);
   const double clearance = *std::ranges::min_element(fitted.clearance_px);
   if (!fine || fine->rms_px() > std::max(1.0, kMostBend * clearance)) {
-    return refused(BoardOutcome::kNoBoard, "the corners do not lie on a plane");
+    return refused_view(BoardOutcome::kNoBoard, "the corners do not lie on a plane");
   }
   BoardView view = judged_corners(board, fitted.col_row, fitted.fits, fitted.clearance_px);
   if (view.is_accepted()) {

@@ -43,7 +43,7 @@ RouteMap::RouteMap(const PlanningCell& cell, const ClearanceCheck& clearance)
 /// home are left out.
 void RouteMap::connect() {
   const std::size_t count = safe_.size();
-  durations_s_ = Eigen::MatrixXd::Constant(index_of(count), index_of(count), kNever);
+  durations_s_ = Eigen::MatrixXd::Constant(index_of(count), index_of(count), kNoWay_s);
   ways_.assign(count * count, {});
   for (std::size_t a = 0; a < count; ++a) {
     for (std::size_t b = 0; b < count; ++b) {
@@ -73,7 +73,7 @@ void RouteMap::connect() {
 }
 
 Route RouteMap::measured(std::vector<std::size_t> nodes) {
-  Route route = {.nodes = std::move(nodes), .margin_mm = kNever};
+  Route route = {.nodes = std::move(nodes), .margin_mm = kNoWay_s};
   for (std::size_t i = 1; i < route.nodes.size(); ++i) {
     const Leg& leg = legs_.leg(route.nodes[i - 1], route.nodes[i]);
     route.margin_mm = std::min(route.margin_mm, leg.margin_mm);
@@ -106,11 +106,11 @@ std::vector<std::size_t> between(std::size_t from, std::vector<std::size_t> node
 
 std::optional<Route> RouteMap::over_safe(std::size_t from, std::size_t to) {
   const std::size_t count = safe_.size();
-  double least_s = kNever;
+  double least_s = kNoWay_s;
   std::vector<std::size_t> best;
   for (std::size_t a = 0; a < count; ++a) {
     for (std::size_t b = 0; b < count; ++b) {
-      const bool is_joined = durations_s_(index_of(a), index_of(b)) < kNever &&
+      const bool is_joined = durations_s_(index_of(a), index_of(b)) < kNoWay_s &&
                              (safe_[a] == from || legs_.leg(from, safe_[a]).is_free) &&
                              (safe_[b] == to || legs_.leg(safe_[b], to).is_free);
       if (!is_joined) {
@@ -129,11 +129,11 @@ std::optional<Route> RouteMap::over_safe(std::size_t from, std::size_t to) {
 
 double RouteMap::optimistic_s(std::size_t from, std::size_t to) {
   const double straight_s = legs_.optimistic_s(from, to);
-  if (straight_s < kNever) {
+  if (straight_s < kNoWay_s) {
     return straight_s;
   }
   const std::optional<Route> route = over_safe(from, to);
-  return route ? route->duration_s : kNever;
+  return route ? route->duration_s : kNoWay_s;
 }
 
 }  // namespace glint

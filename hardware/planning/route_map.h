@@ -13,7 +13,7 @@
 namespace glint {
 
 /// Duration of a way that cannot be gone.
-inline constexpr double kNever = std::numeric_limits<double>::infinity();
+inline constexpr double kNoWay_s = std::numeric_limits<double>::infinity();
 
 /// Joints from one standstill to another, each leg free.
 struct Route {

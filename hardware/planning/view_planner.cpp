@@ -136,7 +136,7 @@ class Planner {
   }
 
   void seek_tour() {
-    double least_s = kNever;
+    double least_s = kNoWay_s;
     std::vector<std::size_t> best_order;
     std::vector<std::size_t> best_choice;
     for (int round = 0; round < kRounds; ++round) {
@@ -189,7 +189,7 @@ class Planner {
     }
     plan_.reach_share =
         static_cast<double>(planned_.size()) / static_cast<double>(plan_.views.size());
-    double margin_mm = kNever;
+    double margin_mm = kNoWay_s;
     for (const std::size_t view : planned_) {
       margin_mm = std::min(margin_mm, plan_.views[view].margin_mm);
     }

@@ -35,7 +35,7 @@ const ConfigNode* find_any(const ConfigNode& table, std::span<const std::string_
 
 double number_of(const ConfigNode& node, std::string_view key) {
   if (!node.is_number() || !std::isfinite(node.number)) {
-    refuse(node.place, key, "must be a finite number");
+    refuse_key(node.place, key, "must be a finite number");
   }
   return node.number;
 }
@@ -43,7 +43,7 @@ double number_of(const ConfigNode& node, std::string_view key) {
 double required(const ConfigNode& table, std::string_view key) {
   const ConfigNode* node = table.find(key);
   if (node == nullptr) {
-    refuse(table.place, key, "is missing");
+    refuse_key(table.place, key, "is missing");
   }
   return number_of(*node, key);
 }
@@ -56,7 +56,7 @@ int size_of(const ConfigNode& table, std::span<const std::string_view> names) {
   constexpr double kLargest = 1e6;
   const double value = number_of(*node, names.front());
   if (value != std::floor(value) || value < 1.0 || value > kLargest) {
-    refuse(
+    refuse_key(
         node->place, names.front(), fmt::format("is {}, must be a whole number of pixels", value));
   }
   return static_cast<int>(value);
@@ -91,23 +91,23 @@ std::vector<double> matrix_of(const ConfigNode& node, std::string_view key) {
       double value = 0.0;
       const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
       if (error != std::errc() || rest != word.data() + word.size() || !std::isfinite(value)) {
-        refuse(data->place, key, fmt::format("'{}' is no finite number", word));
+        refuse_key(data->place, key, fmt::format("'{}' is no finite number", word));
       }
       numbers.push_back(value);
     }
   } else {
-    refuse(node.place, key, "must be a matrix: rows, cols and data");
+    refuse_key(node.place, key, "must be a matrix: rows, cols and data");
   }
   return numbers;
 }
 
 void check_focal(const PinholeIntrinsics& intrinsics, const Place& place, std::string_view key) {
   if (!(intrinsics.focal_px.minCoeff() > 0.0)) {
-    refuse(place,
-           key,
-           fmt::format("focal lengths are {} and {} px, must be > 0",
-                       shortest(intrinsics.focal_px.x()),
-                       shortest(intrinsics.focal_px.y())));
+    refuse_key(place,
+               key,
+               fmt::format("focal lengths are {} and {} px, must be > 0",
+                           shortest(intrinsics.focal_px.x()),
+                           shortest(intrinsics.focal_px.y())));
   }
 }
 
@@ -116,10 +116,11 @@ void set_distortion(const ConfigNode& node, PinholeIntrinsics& intrinsics) {
   const std::vector<double> d = matrix_of(node, kKey);
   for (std::size_t i = 5; i < d.size(); ++i) {
     if (d[i] != 0.0) {
-      refuse(node.place,
-             kKey,
-             fmt::format(
-                 "number {} is {}, only k1 k2 p1 p2 k3 may differ from 0", i + 1, shortest(d[i])));
+      refuse_key(
+          node.place,
+          kKey,
+          fmt::format(
+              "number {} is {}, only k1 k2 p1 p2 k3 may differ from 0", i + 1, shortest(d[i])));
     }
   }
   const auto at = [&](std::size_t i) { return i < d.size() ? d[i] : 0.0; };
@@ -131,10 +132,10 @@ void set_distortion(const ConfigNode& node, PinholeIntrinsics& intrinsics) {
 std::vector<double> camera_matrix(const ConfigNode& matrix, std::string_view key) {
   const std::vector<double> k = matrix_of(matrix, key);
   if (k.size() != 9) {
-    refuse(matrix.place, key, fmt::format("has {} numbers, must have 9", k.size()));
+    refuse_key(matrix.place, key, fmt::format("has {} numbers, must have 9", k.size()));
   }
   if (k[1] != 0.0 || k[3] != 0.0 || k[6] != 0.0 || k[7] != 0.0 || k[8] != 1.0) {
-    refuse(matrix.place, key, "must be fx 0 cx, 0 fy cy, 0 0 1: skew is not known here");
+    refuse_key(matrix.place, key, "must be fx 0 cx, 0 fy cy, 0 0 1: skew is not known here");
   }
   return k;
 }
@@ -150,9 +151,9 @@ PinholeIntrinsics opencv_camera(const ConfigNode& root, const ConfigNode& matrix
   check_focal(intrinsics, matrix.place, kKey);
   const ConfigNode* model = root.find("distortion_model");
   if (model != nullptr && model->text != "plumb_bob") {
-    refuse(model->place,
-           "distortion_model",
-           fmt::format("is \"{}\", must be \"plumb_bob\" (k1 k2 p1 p2 k3)", model->text));
+    refuse_key(model->place,
+               "distortion_model",
+               fmt::format("is \"{}\", must be \"plumb_bob\" (k1 k2 p1 p2 k3)", model->text));
   }
   const ConfigNode* distortion = find_any(
       root,
@@ -167,7 +168,7 @@ PinholeIntrinsics opencv_camera(const ConfigNode& root, const ConfigNode& matrix
 const ConfigNode& visp_model(const ConfigNode& camera) {
   const ConfigNode* models = camera.find("model");
   if (models == nullptr) {
-    refuse(camera.place, "model", "is missing");
+    refuse_key(camera.place, "model", "is missing");
   }
   const auto is_distorted = [](const ConfigNode& model) {
     const ConfigNode* type = model.find("type");
@@ -182,15 +183,16 @@ const ConfigNode& visp_model(const ConfigNode& camera) {
 
 PinholeIntrinsics visp_camera(const ConfigNode& cameras) {
   if (cameras.is_array()) {
-    refuse(cameras.place, "camera", fmt::format("there are {}, must be one", cameras.items.size()));
+    refuse_key(
+        cameras.place, "camera", fmt::format("there are {}, must be one", cameras.items.size()));
   }
   const ConfigNode& model = visp_model(cameras);
   const ConfigNode* type = model.find("type");
   const bool is_distorted = type != nullptr && type->text == "perspectiveProjWithDistortion";
   if (!is_distorted && (type == nullptr || type->text != "perspectiveProjWithoutDistortion")) {
-    refuse(type == nullptr ? model.place : type->place,
-           "type",
-           "must be perspectiveProjWithDistortion or perspectiveProjWithoutDistortion");
+    refuse_key(type == nullptr ? model.place : type->place,
+               "type",
+               "must be perspectiveProjWithDistortion or perspectiveProjWithoutDistortion");
   }
   PinholeIntrinsics intrinsics = {
       .width_px = size_of(cameras, std::array<std::string_view, 1>{"image_width"}),
@@ -207,7 +209,7 @@ PinholeIntrinsics visp_camera(const ConfigNode& cameras) {
 PinholeIntrinsics glint_camera(const ConfigNode& root) {
   const ConfigNode* table = root.find("camera");
   if (table == nullptr) {
-    refuse(root.place, "camera", "is missing, must be a table [camera] as in a scene");
+    refuse_key(root.place, "camera", "is missing, must be a table [camera] as in a scene");
   }
   std::vector<Problem> errors;
   CameraSettings settings;
@@ -220,7 +222,7 @@ PinholeIntrinsics glint_camera(const ConfigNode& root) {
 
 CameraFile camera_of(const ConfigNode& root) {
   if (!root.is_table()) {
-    refuse(root.place, "camera_matrix", "is missing");
+    refuse_key(root.place, "camera_matrix", "is missing");
   }
   if (const ConfigNode* camera = root.find("camera")) {
     return {.intrinsics = visp_camera(*camera), .kind = "ViSP"};
@@ -228,7 +230,7 @@ CameraFile camera_of(const ConfigNode& root) {
   const ConfigNode* matrix = find_any(
       root, std::array<std::string_view, 4>{"camera_matrix", "cameraMatrix", "Camera_Matrix", "K"});
   if (matrix == nullptr) {
-    refuse(root.place, "camera_matrix", "is missing, and so is ViSP's <camera>");
+    refuse_key(root.place, "camera_matrix", "is missing, and so is ViSP's <camera>");
   }
   return {.intrinsics = opencv_camera(root, *matrix), .kind = "OpenCV or ROS"};
 }

@@ -97,8 +97,8 @@ class XmlParser {
   }
 
   std::pair<std::string, ConfigNode> element(int depth) {
-    if (depth > kMaxDepth) {
-      fail(fmt::format("XML nested deeper than {} levels", kMaxDepth));
+    if (depth > kMaxFileDepth) {
+      fail(fmt::format("XML nested deeper than {} levels", kMaxFileDepth));
     }
     const Place start = place();
     ++at_;

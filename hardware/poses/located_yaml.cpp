@@ -99,8 +99,8 @@ class TreeBuilder {
   }
 
   ConfigNode value(Event& event, int depth) {
-    if (depth > kMaxDepth) {
-      fail(event.mark(), fmt::format("YAML nested deeper than {} levels", kMaxDepth));
+    if (depth > kMaxFileDepth) {
+      fail(event.mark(), fmt::format("YAML nested deeper than {} levels", kMaxFileDepth));
     }
     ConfigNode node;
     switch (event.type()) {

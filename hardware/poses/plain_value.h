@@ -8,7 +8,7 @@
 namespace glint {
 
 /// Deepest nesting of a file of poses.
-inline constexpr int kMaxDepth = 64;
+inline constexpr int kMaxFileDepth = 64;
 
 /// A word without quotes as a number (also with a plus sign, .nan, nan, .inf, -inf), true or false,
 /// else a text. It has no place yet.

@@ -89,7 +89,7 @@ Place place_where(std::span<const WrittenPose> poses, const Test& test) {
 void check_count(const WrittenPose& pose) {
   const std::size_t count = pose.numbers.size();
   if (count != 6 && count != 7 && count != 12 && count != 16) {
-    refuse(
+    refuse_key(
         pose.place,
         "pose",
         fmt::format("has {} numbers, must be 6 (position and rotation vector or Euler angles), 7 "
@@ -127,12 +127,12 @@ void check_rotation(PoseRotation rotation, const WrittenPose& pose) {
   const std::size_t count = pose.numbers.size();
   const std::size_t wanted = count_for(rotation);
   if (wanted != count && !(wanted == 16 && count == 12)) {
-    refuse(pose.place,
-           "rotation",
-           fmt::format("is \"{}\", which needs {} numbers a pose, but there are {}",
-                       name_of(rotation, kRotations),
-                       wanted == 16 ? "12 or 16" : fmt::format("{}", wanted),
-                       count));
+    refuse_key(pose.place,
+               "rotation",
+               fmt::format("is \"{}\", which needs {} numbers a pose, but there are {}",
+                           name_of(rotation, kRotations),
+                           wanted == 16 ? "12 or 16" : fmt::format("{}", wanted),
+                           count));
   }
 }
 
@@ -166,19 +166,21 @@ void check_angle(std::span<const WrittenPose> poses, PoseAngle angle, double lar
     const auto is_largest = [&](const WrittenPose& pose) {
       return largest_angle({&pose, 1}) == largest;
     };
-    refuse(place_where(poses, is_largest),
-           "angle",
-           fmt::format("is \"rad\", but an angle is {}, more than a whole turn: are they degrees? "
-                       "allowed is angle = \"deg\"",
-                       shortest(largest)));
+    refuse_key(
+        place_where(poses, is_largest),
+        "angle",
+        fmt::format("is \"rad\", but an angle is {}, more than a whole turn: are they degrees? "
+                    "allowed is angle = \"deg\"",
+                    shortest(largest)));
   }
   constexpr double kLooksLikeRadians = 3.2;
   if (angle == PoseAngle::kDegree && poses.size() > 2 && largest < kLooksLikeRadians) {
-    refuse(poses.front().place,
-           "angle",
-           fmt::format("is \"deg\", but no angle is above {}: are they radians? allowed is angle = "
-                       "\"rad\"",
-                       shortest(largest)));
+    refuse_key(
+        poses.front().place,
+        "angle",
+        fmt::format("is \"deg\", but no angle is above {}: are they radians? allowed is angle = "
+                    "\"rad\"",
+                    shortest(largest)));
   }
 }
 
@@ -209,18 +211,19 @@ void resolve_unit(std::span<const WrittenPose> poses, ResolvedConvention& resolv
                     name_of(unit, kUnits),
                     reach));
   } else if (unit == PoseUnit::kMillimetre && reach < kLeastReachInMm) {
-    refuse(
+    refuse_key(
         poses.front().place,
         "unit",
         fmt::format("is \"mm\", but the flange is {:.3g} from the base (median): are they metres? "
                     "allowed is unit = \"m\"",
                     reach));
   } else if (unit == PoseUnit::kMetre && reach > kMostReachInMetres) {
-    refuse(poses.front().place,
-           "unit",
-           fmt::format("is \"m\", but the flange is {:.3g} from the base (median): are they mm? "
-                       "allowed is unit = \"mm\"",
-                       reach));
+    refuse_key(
+        poses.front().place,
+        "unit",
+        fmt::format("is \"m\", but the flange is {:.3g} from the base (median): are they mm? "
+                    "allowed is unit = \"mm\"",
+                    reach));
   }
 }
 
@@ -229,7 +232,7 @@ Eigen::Matrix3d checked_rotation(const Eigen::Matrix3d& matrix, const Place& pla
   const double off =
       (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(off <= kMostFromRotation)) {
-    refuse(
+    refuse_key(
         place,
         "pose",
         fmt::format("its matrix is no rotation: rows times rows differ from 1 by {:.3g}, at most "
@@ -238,7 +241,7 @@ Eigen::Matrix3d checked_rotation(const Eigen::Matrix3d& matrix, const Place& pla
                     kMostFromRotation));
   }
   if (matrix.determinant() < 0.0) {
-    refuse(
+    refuse_key(
         place, "pose", "its matrix is no rotation but a mirror: the determinant is -1, must be 1");
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -250,7 +253,7 @@ Eigen::Matrix3d matrix_rotation(const WrittenPose& pose) {
   if (n.size() == 16) {
     const double off = std::abs(n[12]) + std::abs(n[13]) + std::abs(n[14]) + std::abs(n[15] - 1.0);
     if (off > 1e-9) {
-      refuse(pose.place, "pose", "the last row of its matrix must be 0, 0, 0, 1");
+      refuse_key(pose.place, "pose", "the last row of its matrix must be 0, 0, 0, 1");
     }
   }
   Eigen::Matrix3d matrix;
@@ -263,9 +266,9 @@ Eigen::Matrix3d quaternion_rotation(const WrittenPose& pose, bool is_w_first) {
   const Eigen::Quaterniond quaternion = is_w_first ? Eigen::Quaterniond(n[3], n[4], n[5], n[6])
                                                    : Eigen::Quaterniond(n[6], n[3], n[4], n[5]);
   if (!(std::abs(quaternion.norm() - 1.0) <= kMostFromRotation)) {
-    refuse(pose.place,
-           "pose",
-           fmt::format("its quaternion has the length {:.4g}, must be 1", quaternion.norm()));
+    refuse_key(pose.place,
+               "pose",
+               fmt::format("its quaternion has the length {:.4g}, must be 1", quaternion.norm()));
   }
   return quaternion.normalized().toRotationMatrix();
 }
@@ -323,7 +326,7 @@ bool is_euler_order(const std::string& order) {
 
 }  // namespace
 
-void refuse(const Place& place, std::string_view key, const std::string& text) {
+void refuse_key(const Place& place, std::string_view key, const std::string& text) {
   throw ConfigError(Problem{.place = place, .key = std::string(key), .text = text});
 }
 

@@ -17,7 +17,7 @@
 namespace glint {
 
 /// @throws ConfigError at that place, naming the key
-[[noreturn]] void refuse(const Place& place, std::string_view key, const std::string& text);
+[[noreturn]] void refuse_key(const Place& place, std::string_view key, const std::string& text);
 
 enum class PoseUnit { kAuto, kMillimetre, kMetre };
 enum class PoseDirection { kAuto, kBaseFromFlange, kFlangeFromBase };

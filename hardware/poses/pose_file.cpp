@@ -37,7 +37,7 @@ void add_numbers(const ConfigNode& node, int depth, std::vector<double>& numbers
     } else if (item.is_array() && depth == 0) {
       add_numbers(item, 1, numbers);
     } else {
-      refuse(item.place, "pose", "must be a list of numbers, or of rows of numbers");
+      refuse_key(item.place, "pose", "must be a list of numbers, or of rows of numbers");
     }
   }
 }
@@ -52,7 +52,7 @@ const ConfigNode* matrix_data(const ConfigNode& node) {
 std::vector<double> numbers_of(const ConfigNode& node) {
   const ConfigNode* data = node.is_table() ? matrix_data(node) : &node;
   if (data == nullptr || !data->is_array()) {
-    refuse(node.place, "pose", "must be a list of numbers, or of rows of numbers");
+    refuse_key(node.place, "pose", "must be a list of numbers, or of rows of numbers");
   }
   std::vector<double> numbers;
   add_numbers(*data, 0, numbers);
@@ -66,7 +66,7 @@ std::string text_of(const ConfigNode& node, std::string_view key) {
   if (node.kind == ConfigNode::Kind::kInteger || node.kind == ConfigNode::Kind::kNumber) {
     return shortest(node.number);
   }
-  refuse(node.place, std::string(key), "must be a text or a number");
+  refuse_key(node.place, std::string(key), "must be a text or a number");
 }
 
 void set_direction(PoseFile& file, std::string_view key, const Place& place) {
@@ -77,7 +77,8 @@ void set_direction(PoseFile& file, std::string_view key, const Place& place) {
       key == "base_from_flange" ? PoseDirection::kBaseFromFlange : PoseDirection::kFlangeFromBase;
   PoseDirection& known = file.convention.direction;
   if (known != PoseDirection::kAuto && known != direction) {
-    refuse(place, std::string(key), "an earlier pose has the other direction, all must have one");
+    refuse_key(
+        place, std::string(key), "an earlier pose has the other direction, all must have one");
   }
   known = direction;
 }
@@ -88,24 +89,24 @@ void read_key(const std::string& key, const ConfigNode& item, WrittenPose& pose,
     pose.name = text_of(item, key);
   } else if (is_one_of(key, kStampKeys)) {
     if (!item.is_number()) {
-      refuse(item.place, key, "must be a number of seconds");
+      refuse_key(item.place, key, "must be a number of seconds");
     }
     pose.has_stamp = true;
     pose.stamp_s = item.number;
   } else if (is_one_of(key, kPoseKeys)) {
     if (!pose.numbers.empty()) {
-      refuse(item.place, key, "a second set of numbers, a pose has one");
+      refuse_key(item.place, key, "a second set of numbers, a pose has one");
     }
     pose.numbers = numbers_of(item);
     pose.place = item.place;
     set_direction(file, key, item.place);
   } else {
-    refuse(item.place,
-           key,
-           fmt::format("unknown key, known are {}, {}, {}",
-                       quoted_list(kNameKeys),
-                       quoted_list(kStampKeys),
-                       quoted_list(kPoseKeys)));
+    refuse_key(item.place,
+               key,
+               fmt::format("unknown key, known are {}, {}, {}",
+                           quoted_list(kNameKeys),
+                           quoted_list(kStampKeys),
+                           quoted_list(kPoseKeys)));
   }
 }
 
@@ -115,9 +116,9 @@ WrittenPose table_pose(const ConfigNode& table, PoseFile& file) {
     read_key(table.names[i], table.items[i], pose, file);
   }
   if (pose.numbers.empty()) {
-    refuse(table.place,
-           "pose",
-           fmt::format("is missing, one of {} is needed", quoted_list(kPoseKeys)));
+    refuse_key(table.place,
+               "pose",
+               fmt::format("is missing, one of {} is needed", quoted_list(kPoseKeys)));
   }
   return pose;
 }
@@ -171,7 +172,7 @@ PoseFile poses_of_tree(const ConfigNode& root, const std::string& name) {
   }
   const ConfigNode* list = pose_list(root);
   if (list == nullptr || !list->is_array()) {
-    refuse(root.place, "poses", "is missing, must be a list of poses");
+    refuse_key(root.place, "poses", "is missing, must be a list of poses");
   }
   const bool is_flat =
       !list->items.empty() && std::ranges::all_of(list->items, &ConfigNode::is_number);
@@ -247,9 +248,9 @@ Columns plain_columns(const std::vector<CsvRow>& rows) {
 
 WrittenPose row_pose(const CsvRow& row, const Columns& columns) {
   if (row.size() != columns.count) {
-    refuse(row.front().place,
-           "pose",
-           fmt::format("has {} columns, the first line has {}", row.size(), columns.count));
+    refuse_key(row.front().place,
+               "pose",
+               fmt::format("has {} columns, the first line has {}", row.size(), columns.count));
   }
   WrittenPose pose = {.place = row.front().place};
   for (std::size_t i = 0; i < row.size(); ++i) {
@@ -259,7 +260,7 @@ WrittenPose row_pose(const CsvRow& row, const Columns& columns) {
     }
     const std::optional<double> number = row[i].number();
     if (!number) {
-      refuse(row[i].place, "pose", fmt::format("'{}' is no number", row[i].text));
+      refuse_key(row[i].place, "pose", fmt::format("'{}' is no number", row[i].text));
     }
     if (i == columns.stamp) {
       pose.has_stamp = true;

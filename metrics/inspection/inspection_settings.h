@@ -31,10 +31,10 @@ struct TrialSettings {
 
 void visit_keys(KeyVisitor& keys, TrialSettings& settings);
 
-/// The [inspection] table of a scene.
 /// Rows of a picture that one thread works on at a time.
 inline constexpr int kRowsPerBand = 16;
 
+/// The [inspection] table of a scene.
 struct InspectionSettings {
   /// What is subtracted, or what the aspect image is compared with; see masked_filter.h, phase.h,
   /// structure.h.

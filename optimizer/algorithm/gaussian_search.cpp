@@ -19,8 +19,6 @@ namespace {
 constexpr int kNumGlobal = 200;
 constexpr int kNumLocal = 200;
 constexpr int kNumRefined = 60;
-/// Widths, as parts of a variable's range, of candidates around the best design and of rounds
-/// around the most promising candidate.
 /// Of so many questions by rules 2 one reaches everywhere.
 constexpr std::uint64_t kAsksPerFarOne = 4;
 /// Keeps the random numbers of questions apart from the other users of the study's seed.

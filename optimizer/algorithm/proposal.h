@@ -18,7 +18,8 @@
 
 namespace glint {
 
-/// Steps of neighbour() around the best designs, then around the best candidate.
+/// Widths of neighbour(), as parts of a variable's range: of candidates around the best design, and
+/// of rounds around the most promising candidate.
 inline constexpr std::array<double, 2> kLocalWidths = {0.15, 0.03};
 inline constexpr std::array<double, 3> kRefinedWidths = {0.1, 0.03, 0.01};
 

@@ -9,7 +9,6 @@
 #include "optimizer/search/trade_off.h"
 
 namespace glint {
-namespace {}  // namespace
 
 BuiltMerit::BuiltMerit(const Goal& goal, std::span<const Trial> trials)
     : goal_(goal), choice_(front_choice_of(goal)) {
@@ -24,7 +23,7 @@ BuiltMerit::BuiltMerit(const Goal& goal, std::span<const Trial> trials)
 
 double BuiltMerit::of(const Scores& scores) const {
   if (!problem_with(goal_, scores).empty() || !is_feasible(goal_, scores)) {
-    return kOut;
+    return kNoMerit;
   }
   const std::vector<double> objectives = minimised_objectives(goal_, scores);
   return ranges_.empty() ? objectives[0] : choice_cost(objectives, ranges_, choice_);
@@ -46,7 +45,7 @@ Standing standing_of(std::vector<double> merits) {
   const auto worse = static_cast<std::size_t>(std::lround(kWorstShare * (count - 1.0)));
   const auto place = merits.end() - 1 - static_cast<std::ptrdiff_t>(worse);
   std::ranges::nth_element(merits, place);
-  const auto out = static_cast<int>(std::ranges::count(merits, kOut));
+  const auto out = static_cast<int>(std::ranges::count(merits, kNoMerit));
   return {.too_many = std::max(0, out - static_cast<int>(worse)), .reached = *place};
 }
 

@@ -19,7 +19,7 @@ namespace glint {
 inline constexpr double kWorstShare = 0.05;
 
 /// The merit of a design that failed or is outside a limit.
-inline constexpr double kOut = std::numeric_limits<double>::infinity();
+inline constexpr double kNoMerit = std::numeric_limits<double>::infinity();
 
 /// One number for the scores of one built design, smaller is better: the objective (negated when
 /// maximised); of several objectives choice_cost() in the ranges of the search's front.

@@ -22,7 +22,7 @@ constexpr double kHopeless = 0.01;
 Merits merits_of(const BuiltMerit& merit, const BuiltScores& built) {
   Merits merits;
   for (const std::optional<Scores>& scores : built) {
-    merits.push_back(scores ? merit.of(*scores) : kOut);
+    merits.push_back(scores ? merit.of(*scores) : kNoMerit);
   }
   return merits;
 }

@@ -61,6 +61,11 @@ VectorXd weights_of(const VectorXd& left, double noise) {
       [&](double value) { return 1.0 / std::max(1.0, std::abs(value) / (kHuber * noise)); });
 }
 
+/// Of the largest square of slopes.
+double wish_for(bool is_segment) {
+  return is_segment ? 1e-4 : 1e-9;
+}
+
 /// A weak wish for small steps keeps apart what the pictures cannot: exposure and the powers of all
 /// segments together.
 void add_wish(const GreySystem& system, MatrixXd& normal) {
@@ -68,7 +73,7 @@ void add_wish(const GreySystem& system, MatrixXd& normal) {
   for (Index i = 0; i < normal.rows(); ++i) {
     const bool is_segment =
         system.numbers[static_cast<std::size_t>(i)].term.fault == GreyFault::kSegments;
-    normal(i, i) += (is_segment ? 1e-4 : 1e-9) * scale;
+    normal(i, i) += wish_for(is_segment) * scale;
   }
 }
 
@@ -391,6 +396,15 @@ std::string name_of_subject(const GreyModel& model, const GreyTerm& term) {
   }
 }
 
+/// Whether the pictures change with a number by more than the weak wish of add_wish() for small
+/// steps, which would else pass for knowledge of it.
+bool is_seen(const GreySystem& system, Index i) {
+  const VectorXd squares = mean_of(system.columns).colwise().squaredNorm();
+  const bool is_segment =
+      system.numbers[static_cast<std::size_t>(i)].term.fault == GreyFault::kSegments;
+  return squares[i] > 10.0 * wish_for(is_segment) * squares.maxCoeff();
+}
+
 }  // namespace
 
 std::vector<GreyValue> GreyProblem::kept_values(const GreyState& state,
@@ -411,11 +425,13 @@ std::vector<GreyValue> GreyProblem::kept_values(const GreyState& state,
     Eigen::VectorXd sigma;
     step_of(system, left, &sigma);
     for (std::size_t i = 0; i < more.numbers.size(); ++i) {
-      values.push_back({.fault = term.fault,
-                        .light = name_of_subject(model_, term),
-                        .index = more.numbers[i].index,
-                        .value = term.fault == GreyFault::kLightPlace ? 0.0 : 1.0,
-                        .sigma = sigma[static_cast<Eigen::Index>(free.numbers.size() + i)]});
+      const auto at = static_cast<Index>(free.numbers.size() + i);
+      values.push_back(
+          {.fault = term.fault,
+           .light = name_of_subject(model_, term),
+           .index = more.numbers[i].index,
+           .value = term.fault == GreyFault::kLightPlace ? 0.0 : 1.0,
+           .sigma = is_seen(system, at) ? sigma[at] : std::numeric_limits<double>::infinity()});
     }
   }
   return values;

@@ -111,7 +111,8 @@ class GreyProblem {
   GreySystem rough_system(const GreyState& state, const GreyTerm& term);
 
   /// Each number that is not free, as designed, with the sigma that it would have if its term were
-  /// freed beside those that are: by the noise of pixels alone, with rough slopes.
+  /// freed beside those that are: by the noise of pixels alone, with rough slopes. Infinite where
+  /// the pictures do not change with it.
   /// @param free  slopes by the free numbers at the state
   /// @param left  of the real grey values at the state
   std::vector<GreyValue> kept_values(const GreyState& state,

@@ -51,7 +51,7 @@ RtdeValue constant_value_of(std::string_view name) {
 
 }  // namespace
 
-std::size_t register_of(std::string_view name) {
+std::size_t register_number(std::string_view name) {
   const std::string_view digits = name.substr(name.rfind('_') + 1);
   return static_cast<std::size_t>(std::stoi(std::string(digits)));
 }
@@ -137,10 +137,10 @@ RtdeValue ControllerOutputs::plain_value_of(std::string_view name) const {
     return twin_.settings_.token;
   }
   if (name.starts_with("output_int_register_")) {
-    return twin_.int_registers_.at(register_of(name));
+    return twin_.int_registers_.at(register_number(name));
   }
   if (name.starts_with("output_double_register_")) {
-    return twin_.double_registers_.at(register_of(name));
+    return twin_.double_registers_.at(register_number(name));
   }
   return constant_value_of(name);
 }

@@ -31,6 +31,6 @@ class ControllerOutputs {
 };
 
 /// "output_int_register_17" -> 17
-std::size_t register_of(std::string_view name);
+std::size_t register_number(std::string_view name);
 
 }  // namespace glint

@@ -65,9 +65,9 @@ void TwinController::set_inputs(const std::vector<std::string>& names,
     } else if (name == "standard_digital_output") {
       bits = std::get<std::uint8_t>(values[i]);
     } else if (name.starts_with("input_int_register_")) {
-      int_inputs_.at(register_of(name)) = std::get<std::int32_t>(values[i]);
+      int_inputs_.at(register_number(name)) = std::get<std::int32_t>(values[i]);
     } else if (name.starts_with("input_double_register_")) {
-      double_inputs_.at(register_of(name)) = std::get<double>(values[i]);
+      double_inputs_.at(register_number(name)) = std::get<double>(values[i]);
     }
   }
   digital_outputs_ = (digital_outputs_ & ~std::uint64_t{mask}) | (bits & mask);

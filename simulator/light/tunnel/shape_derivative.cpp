@@ -122,7 +122,7 @@ double rising_root(const Function& f) {
 
 /// The same for a cubic, by Newton's method from a place nearby.
 double rising_root(const std::array<double, 4>& c, double near) {
-  const auto f = [&](double u) { return cubic(c.data(), u); };
+  const auto f = [&](double u) { return cubic_at(c.data(), u); };
   if (f(0.0) >= 0.0 || f(1.0) <= 0.0) {
     return f(0.0) >= 0.0 ? 0.0 : 1.0;
   }
@@ -187,7 +187,7 @@ void ShapeDerivative::build_free() {
       c[0] += settings_.base_mm * along.x();
       return c;
     };
-    while (segment + 1 < segments.size() && cubic(side().data(), 1.0) < 0.0) {
+    while (segment + 1 < segments.size() && cubic_at(side().data(), 1.0) < 0.0) {
       ++segment;
       u = 0.0;
     }
@@ -340,8 +340,9 @@ std::vector<double> ShapeDerivative::speeds_of(std::string_view key) const {
     for (std::size_t i = 0; i < speeds.size(); ++i) {
       const SplineSegment& from = here[segments_[i]];
       const SplineSegment& to = moved[segments_[i]];
-      speeds[i] = normals_[i].dot(Vector2d(cubic(to.y, places_[i]) - cubic(from.y, places_[i]),
-                                           cubic(to.z, places_[i]) - cubic(from.z, places_[i])));
+      speeds[i] =
+          normals_[i].dot(Vector2d(cubic_at(to.y, places_[i]) - cubic_at(from.y, places_[i]),
+                                   cubic_at(to.z, places_[i]) - cubic_at(from.z, places_[i])));
     }
   }
   return speeds;

@@ -20,7 +20,7 @@ namespace {
 using Eigen::Vector2d;
 
 Vector2d point_at(const SplineSegment& segment, double u) {
-  return {cubic(segment.y, u), cubic(segment.z, u)};
+  return {cubic_at(segment.y, u), cubic_at(segment.z, u)};
 }
 
 /// Evaluates a B-spline by de Boor's recursion on the knot span [knots[k], knots[k + 1]].

@@ -26,7 +26,7 @@ std::vector<FlatWall> flat_walls(double distance_mm,
                                  double base_mm);
 
 /// Of a piece of a spline. @param c  four coefficients, in powers of u
-inline double cubic(const double* c, double u) {
+inline double cubic_at(const double* c, double u) {
   return c[0] + u * (c[1] + u * (c[2] + u * c[3]));
 }
 

@@ -8,6 +8,7 @@
 // table, 360 numbers at most.
 #include "simulator/render/path_tracing/conductor_kernels.h"
 
+#include "core/simd.h"
 #include "simulator/render/path_tracing/lane_math.h"
 
 namespace glint {

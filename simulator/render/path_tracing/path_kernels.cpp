@@ -9,6 +9,7 @@
 
 #include <limits>
 
+#include "core/simd.h"
 #include "simulator/render/path_tracing/lane_math.h"
 #include "simulator/render/path_tracing/sobol.h"
 

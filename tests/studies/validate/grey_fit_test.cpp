@@ -95,6 +95,20 @@ SceneChange hidden_ring() {
   return {.exposure = 0.95, .lights = {{.name = "ring", .moved_mm = kHiddenRing}}};
 }
 
+// What keeps segments apart that pictures cannot tell must not pass for knowledge of dark ones.
+TEST(GreyFit, KnowsNothingOfTheSegmentsOfALightThatIsDark) {
+  const std::vector<GreyFit> fits = fit_trial({"dome"}, {.exposure = 0.95});
+  ASSERT_EQ(fits.size(), 1U);
+  int segments = 0;
+  for (const GreyValue& value : fits.front().kept) {
+    if (value.light == "ring" && value.fault == GreyFault::kSegments) {
+      ++segments;
+      EXPECT_TRUE(std::isinf(value.sigma)) << value.index << ": " << value.sigma;
+    }
+  }
+  EXPECT_EQ(segments, 8);
+}
+
 // The ring shines in one design and takes the dome's light in the other: one place explains both.
 TEST(GreyFit, FindsALightThatShadesAnother) {
   const std::vector<GreyFit> fits = fit_trial({"ring", "dome"}, hidden_ring(), 2);

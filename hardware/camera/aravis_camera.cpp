@@ -280,6 +280,7 @@ void AravisDriver::check_packet_size() {
 void AravisDriver::start() {
   ArvCamera* camera = camera_.get();
   Failure failure;
+  stream_.reset();  // of a start that was refused: it would end the new one's
   stream_.reset(arv_camera_create_stream(camera, nullptr, nullptr, failure.slot()));
   failure.check("stream");
   check_packet_size();

@@ -63,6 +63,19 @@ std::string integer(std::string_view name,
          integer_register(fmt::format("{}Reg", name), address, mode);
 }
 
+/// One bit of a register of 32. @param bit  counted from the highest, as GigE Vision does
+std::string flag(std::string_view name, std::uint32_t address, int bit) {
+  return fmt::format(
+      "<Boolean Name=\"{0}\" NameSpace=\"Standard\"><pValue>{0}Reg</pValue></Boolean>\n"
+      "<MaskedIntReg Name=\"{0}Reg\"><Address>{1:#x}</Address><Length>4</Length>"
+      "<AccessMode>RW</AccessMode><pPort>Device</pPort><Cachable>NoCache</Cachable>"
+      "<LSB>{2}</LSB><MSB>{2}</MSB><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess>"
+      "</MaskedIntReg>\n",
+      name,
+      address,
+      bit);
+}
+
 std::string command(std::string_view name, std::uint32_t address) {
   return fmt::format(
              "<Command Name=\"{0}\" NameSpace=\"Standard\"><pValue>{0}Reg</pValue>"
@@ -127,8 +140,9 @@ std::string categories() {
                    "TriggerSoftware",
                    "ExposureTime"}) +
          category("AnalogControl", {"Gain", "BlackLevel"}) +
-         category("TransportLayerControl",
-                  {"PayloadSize", "GevSCPSPacketSize", "GevHeartbeatTimeout"});
+         category(
+             "TransportLayerControl",
+             {"PayloadSize", "GevSCPSPacketSize", "GevSCPSFireTestPacket", "GevHeartbeatTimeout"});
 }
 
 std::string image_features() {
@@ -181,6 +195,7 @@ std::string genicam_xml() {
          string_register("DeviceSerialNumber", gev::kSerial, 16) + image_features() +
          acquisition_features() + integer("PayloadSize", twin_register::kPayloadSize, "RO", "") +
          integer("GevSCPSPacketSize", gev::kPacketSize, "RW", "<Min>576</Min><Max>65000</Max>") +
+         flag("GevSCPSFireTestPacket", gev::kPacketSize, 0) +
          integer("GevHeartbeatTimeout", gev::kHeartbeatTimeoutMs, "RW", "<Min>500</Min>") +
          "<Port Name=\"Device\" NameSpace=\"Standard\"/>\n</RegisterDescription>\n";
 }

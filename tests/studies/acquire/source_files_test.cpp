@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "studies/acquire/acquire_plan.h"
 #include "studies/acquire/acquire_run.h"
+#include "studies/acquire/taught_views.h"
 #include "studies/cell/typed_permit.h"
 #include "studies/output/result_folder.h"
 #include "studies/output/run_folder.h"

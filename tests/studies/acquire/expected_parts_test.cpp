@@ -65,6 +65,9 @@ joint_speed_deg_s = 60
 joint_acceleration_deg_s2 = 120
 box_min_mm = [-600, -600, -50]
 box_max_mm = [600, 600, 900]
+[[safe_position]]
+name = "high"
+joints_deg = [0, -110, 70, -50, -90, 0]
 )";
 
 /// Of 3 x 3 blocks around one how many pixels of the rendered part's mask there are, and of all.

@@ -37,6 +37,16 @@ bool is_safe(const Cell& cell, const JointVector& joints_rad) {
   });
 }
 
+/// Where no view is taken, the reason of the first one says more than that there is no path.
+void check_any_taken(const ViewPlan& plan) {
+  if (plan.paths.empty() && !plan.views.empty() &&
+      plan.views.front().outcome != ViewOutcome::kPlanned) {
+    const PlannedView& view = plan.views.front();
+    throw ConfigError(fmt::format(
+        "views: none can be taken; {}: {}: {}", view.name, name_of(view.outcome), view.reason));
+  }
+}
+
 /// All paths one after the other.
 Tour tour_of(const ViewPlan& plan, const Cell& cell) {
   Tour tour;
@@ -152,7 +162,13 @@ ViewPlan views_of(const AcquireSource& source, const Cell& cell, double speed_sh
   const bool is_in_cell =
       source.scene && source.scene->cell &&
       (source.scene->cell->base_from_part || source.scene->cell->flange_from_part);
-  return is_in_cell ? plan_scene(*source.scene, cell).plan : plan_of_cell_views(cell, speed_share);
+  if (is_in_cell) {
+    return plan_scene(*source.scene, cell).plan;
+  }
+  return plan_of_cell_views(
+      cell,
+      speed_share,
+      source.scene ? source.scene->calibration : std::optional<CalibrationSettings>());
 }
 
 }  // namespace
@@ -172,6 +188,7 @@ AcquireSource read_source(const fs::path& path) {
 AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_share) {
   AcquireWork work;
   work.views = views_of(source, cell, speed_share);
+  check_any_taken(work.views);
   work.plan.tour = tour_of(work.views, cell);
   check_legs(work.plan.tour, cell, speed_share);
   if (source.scene) {

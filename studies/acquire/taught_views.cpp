@@ -20,8 +20,10 @@ bool is_in_joint_limits(const PlanningCell& cell, const JointVector& joints_rad)
 /// The views one after the other, each by the joints that the cell's file has.
 class TaughtViews {
  public:
-  TaughtViews(const Cell& cell, double speed_share)
-      : planned_(planning_cell(cell)),
+  TaughtViews(const Cell& cell,
+              double speed_share,
+              const std::optional<CalibrationSettings>& calibration)
+      : planned_(planning_cell(cell, calibration)),
         clearance_(planned_),
         routes_(planned_, clearance_),
         share_(speed_share) {
@@ -68,15 +70,18 @@ class TaughtViews {
     }
   }
 
+  /// Where there is a way there, and one from there to the safe position: any view may be the last.
   void go_to(PlannedView& view) {
     const std::size_t node = routes_.legs().add(view.joints_rad);
-    if (const auto route = routes_.route(at_, node)) {
+    const auto route = routes_.route(at_, node);
+    if (route && routes_.route(node, routes_.home())) {
       add_path(*route, view.name);
       at_ = node;
       at_name_ = view.name;
     } else {
       view.outcome = ViewOutcome::kNoPath;
-      view.reason = routes_.legs().leg(at_, node).text;
+      view.reason = route ? routes_.legs().leg(node, routes_.home()).text
+                          : routes_.legs().leg(at_, node).text;
     }
   }
 
@@ -104,8 +109,10 @@ class TaughtViews {
 
 }  // namespace
 
-ViewPlan plan_of_cell_views(const Cell& cell, double speed_share) {
-  return TaughtViews(cell, speed_share).plan(cell.views);
+ViewPlan plan_of_cell_views(const Cell& cell,
+                            double speed_share,
+                            const std::optional<CalibrationSettings>& calibration) {
+  return TaughtViews(cell, speed_share, calibration).plan(cell.views);
 }
 
 }  // namespace glint

@@ -247,8 +247,8 @@ PlanningCell planning_cell(const Cell& cell, const SceneSettings& scene, const T
   return planned;
 }
 
-PlanningCell planning_cell(const Cell& cell) {
-  const auto calibration = calibration_of(std::nullopt, cell);
+PlanningCell planning_cell(const Cell& cell, const std::optional<CalibrationSettings>& own) {
+  const auto calibration = calibration_of(own, cell);
   if (!calibration && !cell.planning.settings.camera_size_mm.empty()) {
     throw ConfigError(fmt::format(
         "{}: planning.camera_size_mm: where the camera is on the flange is not known, so the room "

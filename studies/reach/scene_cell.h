@@ -5,6 +5,7 @@
 // that stands beside the robot.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "hardware/planning/planning_cell.h"
@@ -40,10 +41,11 @@ bool has_cell_chain(const SceneSettings& scene, const Cell& cell);
 ///         the flange holds which stand in it; IoError
 PlanningCell planning_cell(const Cell& cell, const SceneSettings& scene, const TriangleMesh& part);
 
-/// The same without a scene: arm, camera where the file that the cell names as its calibration has
-/// it, cable and bodies; obstacles. Lights have to be among the cell's own bodies and obstacles.
-/// @throws ConfigError when the camera takes room and no file tells where it is; IoError
-PlanningCell planning_cell(const Cell& cell);
+/// The same without a scene: arm, camera where a calibration has it, cable and bodies; obstacles.
+/// Lights have to be among the cell's own bodies and obstacles.
+/// @param own  of a scene; where it tells no camera, the file that the cell names does
+/// @throws ConfigError when the camera takes room and neither tells where it is; IoError
+PlanningCell planning_cell(const Cell& cell, const std::optional<CalibrationSettings>& own = {});
 
 /// The viewpoints as they lie in the robot's base, "view_01" and so on.
 /// @param viewpoints  viewpoints_of() the scene

@@ -7,9 +7,11 @@
 
 #include "core/file.h"
 #include "core/units.h"
+#include "hardware/planning/clearance.h"
 #include "studies/acquire/taught_views.h"
 #include "studies/definition/study.h"
 #include "studies/plan/scene_plan.h"
+#include "studies/reach/scene_cell.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -100,18 +102,22 @@ TEST_F(AcquirePlan, SaysWhichViewOfTheCellCannotBeTaken) {
   EXPECT_EQ(work.plan.tasks.size(), 2U);
 }
 
-/// A home above the views, and an upright post on the way of the tool's tip about the base.
-std::string cell_with_post(double turn_deg) {
+/// An upright post on the way of the tool's tip about the base.
+std::string post_at(double turn_deg) {
   JointVector joints_deg;
   joints_deg << turn_deg, -95, 95, -85, -90, 0;
   const Eigen::Vector3d at_mm = Arm(ArmModel::kUr3).forward(joints_deg * kRadPerDeg).translation();
+  return fmt::format(
+      "[[obstacle]]\nname = \"post\"\nposition_mm = [{}, {}, 135]\nsize_mm = [20, 20, 270]\n",
+      at_mm.x(),
+      at_mm.y());
+}
+
+/// A home above the views, and a post beside it.
+std::string cell_with_post(double turn_deg) {
   return edited(kCell, "[0, -100, 100, -90, -90, 0]", "[0, -110, 70, -50, -90, 0]") +
          "[[view]]\nname = \"right\"\njoints_deg = [-40, -95, 95, -85, -90, 0]\n" +
-         fmt::format(
-             "[[obstacle]]\nname = \"post\"\nposition_mm = [{}, {}, 135]\n"
-             "size_mm = [20, 20, 270]\n",
-             at_mm.x(),
-             at_mm.y());
+         post_at(turn_deg);
 }
 
 TEST_F(AcquirePlan, RefusesViewsOfTheCellThatTouchAnObstacle) {
@@ -127,6 +133,60 @@ TEST_F(AcquirePlan, GoesBetweenViewsOfTheCellAroundAnObstacle) {
   EXPECT_EQ(work.plan.tasks.size(), 3U);
   ASSERT_EQ(work.plan.tour.size(), 6U);
   EXPECT_TRUE(work.plan.tour[3].is_safe) << "between view_2 and right";
+}
+
+/// From the safe position the way to the second view leads over the first one, which is no safe
+/// position: low on both sides of a post, and above it.
+std::string cell_with_view_behind_post() {
+  const std::string text =
+      edited(kCell, "[0, -100, 100, -90, -90, 0]", "[-40, -95, 95, -85, -90, 0]");
+  return edited(text, "[10, -95, 95, -85, -90, 0]", "[0, -110, 70, -50, -90, 0]") + post_at(-10.0);
+}
+
+TEST_F(AcquirePlan, TakesNoViewFromWhichThereIsNoWayBack) {
+  const Cell cell = cell_of(cell_with_view_behind_post());
+  const AcquireWork work = work_of({}, cell, 0.5);
+  ASSERT_EQ(work.views.views.size(), 2U);
+  const PlanningCell planned = planning_cell(cell);
+  const auto joints_rad = [&work](std::size_t view) { return work.views.views[view].joints_rad; };
+  ASSERT_TRUE(ClearanceCheck(planned).along(joints_rad(0), joints_rad(1)).is_free());
+  EXPECT_EQ(work.views.views[0].outcome, ViewOutcome::kPlanned);
+  EXPECT_EQ(work.views.views[1].outcome, ViewOutcome::kNoPath);
+  EXPECT_THAT(work.views.views[1].reason, HasSubstr("post"));
+  ASSERT_EQ(work.views.paths.size(), 2U);
+  EXPECT_EQ(work.views.paths[1].from, "left");
+}
+
+TEST_F(AcquirePlan, SaysWhyNoneOfTheViewsCanBeTaken) {
+  std::string text = edited(kCell, "[10, -95, 95, -85, -90, 0]", "[0, 0, 30, -90, -90, 0]");
+  text = edited(text, "[20, -95, 95, -85, -90, 0]", "[5, 0, 30, -90, -90, 0]");
+  try {
+    work_of({}, cell_of(text), 0.5);
+    ADD_FAILURE() << "there is nothing to drive";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("left: box: "));
+  }
+}
+
+constexpr const char* kSceneWithCamera = R"(schema = 2
+[part]
+shape = "plate"
+length_mm = 20
+width_mm = 20
+[calibration.flange_from_camera]
+translation_mm = [0, 50, 30]
+rotation_vector_deg = [0, 0, 0]
+)";
+
+// The scene does not lie in the cell: its views are the cell's.
+TEST_F(AcquirePlan, KeepsTheCameraClearWhereTheSceneHasIt) {
+  const std::string camera = "[planning]\ncamera_size_mm = [40, 40, 90]\n";
+  write_file(folder_ / "scene.toml", kSceneWithCamera);
+  AcquireSource source;
+  source.scene = load_study(folder_ / "scene.toml", {}).scene;
+  source.scene->lights.clear();
+  const AcquireWork work = work_of(source, cell_of(kCell + camera), 0.5);
+  EXPECT_EQ(work.plan.tasks.size(), 2U);
 }
 
 constexpr const char* kPlan = R"({"schema": 1, "kind": "plan", "scene": "scene.toml",

@@ -166,8 +166,10 @@ int run_trial_command(const Study& study,
   return result["status"] == "interrupted" ? kExitInterrupted : kExitDone;
 }
 
-/// The robot takes part only where the study asks for it.
-void check_driven(const Study& study, const AcquireArguments& driven) {
+/// The robot takes part only where the study asks for it. What is wrong with its cell should come
+/// up now, not after the search.
+/// @return with the cell that the study names, where views are to be planned for that
+AcquireArguments checked_driven(const Study& study, AcquireArguments driven) {
   if (driven.is_move && driven.cell.empty()) {
     throw ConfigError("glint run --move: needs --cell with the file of the cell that may move");
   }
@@ -176,18 +178,22 @@ void check_driven(const Study& study, const AcquireArguments& driven) {
         "glint run --cell: the study has no table [validate], so there is nothing to try out on a "
         "robot");
   }
-  if (!driven.cell.empty()) {
-    read_cell(driven.cell);  // what is wrong with it should not come up in the morning
+  if (study.scene.validate && !driven.is_move) {
+    driven.cell = planned_cell(study, driven);
   }
+  if (!driven.cell.empty()) {
+    read_cell(driven.cell);
+  }
+  return driven;
 }
 
 }  // namespace
 
 int run_command(const StudyArguments& arguments,
-                const AcquireArguments& driven,
+                const AcquireArguments& given,
                 const CommonArguments& common) {
   const Study study = load_study(arguments);
-  check_driven(study, driven);
+  const AcquireArguments driven = checked_driven(study, given);
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
   if (study.calibration_trial) {

@@ -118,6 +118,23 @@ AcquireAnswer told_steps(const std::vector<std::string>& steps) {
   return {.json = {{"validate", steps}}, .text = text};
 }
 
+/// A line on one design; its plan is added where it can be made: a run is not lost by this.
+std::string planned_line(const std::string& design, const PlanRunOptions& options, Json& plans) {
+  const std::filesystem::path scene = options.run / design / "scene.toml";
+  if (!std::filesystem::exists(scene)) {
+    return fmt::format("{}: not planned: the run has no such design\n", design);
+  }
+  try {
+    Json plan = plan_study(load_study(scene, {}), options);
+    const std::string line = fmt::format("{}: {}\n", design, plan_sentence(plan));
+    plan["design"] = design;
+    plans.push_back(std::move(plan));
+    return line;
+  } catch (const Error& error) {
+    return fmt::format("{}: not planned: {}\n", design, error.what());
+  }
+}
+
 /// Each design that is to be tried out, as the run has it, planned for the cell. @return JSON:
 /// plans
 AcquireAnswer planned_end(const Study& study,
@@ -129,28 +146,12 @@ AcquireAnswer planned_end(const Study& study,
   answer.json["plans"] = Json::array();
   std::string text;
   for (const std::string& design : designs_to_validate(study)) {
-    const std::filesystem::path scene = run / design / "scene.toml";
-    if (!std::filesystem::exists(scene)) {
-      text += fmt::format("{}: not planned: the run has no such design\n", design);
-      continue;
-    }
-    Json plan = plan_study(load_study(scene, {}),
-                           {.cell = cell, .out = plans / design, .run = run, .threads = threads});
-    text += fmt::format("{}: {}\n", design, plan_sentence(plan));
-    plan["design"] = design;
-    answer.json["plans"].push_back(std::move(plan));
+    const PlanRunOptions options = {
+        .cell = cell, .out = plans / design, .run = run, .threads = threads};
+    text += planned_line(design, options, answer.json["plans"]);
   }
   answer.text = text + answer.text;
   return answer;
-}
-
-/// The cell that is named on the command line, else by the study, if its scene lies in it.
-std::filesystem::path planned_cell(const Study& study, const AcquireArguments& driven) {
-  if (!driven.cell.empty() || !study.scene.cell || study.scene.cell->file.empty()) {
-    return driven.cell;
-  }
-  const std::filesystem::path& file = study.scene.cell->file;
-  return has_cell_chain(study.scene, read_cell(file)) ? file : std::filesystem::path();
 }
 
 /// The command that goes on without a search.
@@ -171,15 +172,22 @@ std::string validating(const std::filesystem::path& run, const AcquireArguments&
 
 }  // namespace
 
+std::filesystem::path planned_cell(const Study& study, const AcquireArguments& driven) {
+  if (!driven.cell.empty() || !study.scene.cell || study.scene.cell->file.empty()) {
+    return driven.cell;
+  }
+  const std::filesystem::path& file = study.scene.cell->file;
+  return has_cell_chain(study.scene, read_cell(file)) ? file : std::filesystem::path();
+}
+
 AcquireAnswer end_of_run(const Study& study,
                          const std::filesystem::path& run,
                          const AcquireArguments& driven,
                          int threads,
                          Progress::Style progress) {
   if (!driven.is_move) {
-    const std::filesystem::path cell = planned_cell(study, driven);
-    return cell.empty() ? told_steps(validation_steps(study, run, "CELL.toml"))
-                        : planned_end(study, run, cell, threads);
+    return driven.cell.empty() ? told_steps(validation_steps(study, run, "CELL.toml"))
+                               : planned_end(study, run, driven.cell, threads);
   }
   AcquireArguments on_robot = driven;
   on_robot.out = std::filesystem::absolute(run).parent_path() / "validate";

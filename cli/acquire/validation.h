@@ -24,11 +24,15 @@ struct ValidationArguments {
   std::string again = "the same command";  ///< that goes on when a prototype is mounted
 };
 
-/// How `glint run` ends on a study with [validate]: by the commands that validate, with a cell, of
-/// the command line or of the study, also by a plan of each design's views, and with --move, which
-/// needs the one of the command line, by validating.
+/// The cell that is named on the command line, else by the study, if its scene lies in it; empty:
+/// none. @throws ConfigError where the study's file is wrong; IoError
+std::filesystem::path planned_cell(const Study& study, const AcquireArguments& driven);
+
+/// How `glint run` ends on a study with [validate]: by the commands that validate, with a cell also
+/// by a plan of each design's views, or the reason why there is none, and with --move by
+/// validating.
 /// @param run     folder of the run, which is done
-/// @param driven  its cell, twin, --move, speed and confirmed lights
+/// @param driven  its cell, without --move planned_cell(), twin, --move, speed, confirmed lights
 /// @return json: members of the run's result
 AcquireAnswer end_of_run(const Study& study,
                          const std::filesystem::path& run,

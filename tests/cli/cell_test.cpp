@@ -164,6 +164,32 @@ TEST(Cell, ARunPlansEachDesignForTheStudysCellAndTellsHowToAcquireIt) {
   EXPECT_EQ(json::parse(plan)["views"][0]["outcome"], "planned");
 }
 
+// What is wrong with the study's own cell comes up before the search, not after it.
+TEST(Cell, OfAStudyIsReadBeforeTheRunBegins) {
+  const TemporaryFolder folder;
+  write_file(folder / "cell.toml", edited(cell_text(1, 1, 1, 1), {{"\"ur3\"", "\"ur4\""}}));
+  write_file(folder / "study.toml", study_in_cell());
+  const ProgramResult result = glint_in(folder, {"run", "study.toml", "--out", "run", "--quiet"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr("ur4"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "run"));
+}
+
+TEST(Cell, ARunIsToldWhereADesignCannotBePlanned) {
+  const TemporaryFolder folder;
+  write_file(folder / "cell.toml", cell_text(1, 1, 1, 1));
+  write_file(folder / "study.toml",
+             study_in_cell() + "designs = \"first,second\"\n[prototypes.first]\n" +
+                 "\"sensor.exposure\" = 0.5\n[prototypes.second]\n\"sensor.exposure\" = 0.6\n");
+  std::filesystem::create_directories(folder / "plan/first");
+  write_file(folder / "plan/first/plan.json", "somebody's own");
+  const ProgramResult result = glint_in(folder, {"run", "study.toml", "--out", "run"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("first: not planned: "));
+  EXPECT_THAT(result.out, HasSubstr("second: 1 of 1 views can be taken"));
+  EXPECT_THAT(result.out, HasSubstr("report: "));
+}
+
 // The control: with --move somebody is called, so the peers above would have counted.
 TEST(CellSafety, WithMoveThePeerIsCalled) {
   const TemporaryFolder folder;

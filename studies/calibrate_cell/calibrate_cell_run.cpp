@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "studies/acquire/acquired.h"
+#include "studies/acquire/journal.h"
 #include "studies/calibrate/calibrate_run.h"
 #include "studies/calibrate/plan_run.h"
 #include "studies/calibrate_cell/next_poses.h"
@@ -22,6 +23,10 @@ namespace glint {
 namespace {
 
 using calibrate_cell_detail::calibrated_cell;
+using calibrate_cell_detail::ended_round;
+using calibrate_cell_detail::keep_poses;
+using calibrate_cell_detail::kept_poses;
+using calibrate_cell_detail::obstruction;
 using calibrate_cell_detail::reached_poses;
 using calibrate_cell_detail::ReachedPoses;
 using calibrate_cell_detail::WantedPose;
@@ -74,6 +79,13 @@ class CellCalibration {
   }
 
  private:
+  fs::path round_folder(int round) const { return folder_ / fmt::format("round_{}", round); }
+
+  fs::path plan_folder(int round) const { return folder_ / fmt::format("plan_{}", round); }
+
+  /// Poses and paths that were chosen for a round.
+  fs::path kept_file(int round) const { return plan_folder(round) / "tour.json"; }
+
   /// Photographs and calibrates. @return empty: another round is to follow
   std::string status_after(int round) {
     const Json taken = acquire(round);
@@ -98,8 +110,7 @@ class CellCalibration {
     if (round >= options_.most_rounds) {
       return "most_rounds";
     }
-    seek_poses(round + 1);
-    return plan_->paths.empty() ? "no_pose_reached" : "";
+    return seek_poses(round + 1) ? "" : "no_pose_reached";
   }
 
   Json acquire(int round) const {
@@ -107,14 +118,14 @@ class CellCalibration {
     acquire.source.clear();
     acquire.views = views_;
     acquire.plan = plan_;
-    acquire.out = folder_ / fmt::format("round_{}", round);
+    acquire.out = round_folder(round);
     MountedPrototypes none({}, {});  // the board is seen by the cell's own lights
     return calibrate_cell_detail::acquire_round(acquire, none, permit_);
   }
 
   /// Pictures of a round beside those of the others, and their poses.
   void take_over(int round) {
-    const Acquired acquired = read_acquired(folder_ / fmt::format("round_{}", round));
+    const Acquired acquired = read_acquired(round_folder(round));
     make_folder(folder_ / "pictures");
     for (const std::string& view : acquired.views()) {
       const AcquiredPicture picture = acquired.of_view(view).front();
@@ -136,9 +147,9 @@ class CellCalibration {
                                .threads = options_.threads});
   }
 
-  /// A plan that is there already holds: an earlier call began to drive it.
+  /// A plan that is there already holds: an earlier call made it.
   Json plan_of(int round) const {
-    const fs::path folder = folder_ / fmt::format("plan_{}", round);
+    const fs::path folder = plan_folder(round);
     if (fs::exists(folder / "plan.json")) {
       return Json::parse(read_file(folder / "plan.json"), nullptr, false);
     }
@@ -149,25 +160,78 @@ class CellCalibration {
   }
 
   /// What the calibration asks for, as far as the arm gets there without touching anything.
-  void seek_poses(int round) {
+  ReachedPoses planned_poses(int round) const {
     const Json plan = plan_of(round);
     std::vector<WantedPose> wanted;
     for (const Json& pose : plan.at("poses")) {
       wanted.push_back(
           {.name = pose["name"].get<std::string>(), .base_from_flange = pose_of(pose)});
     }
-    ReachedPoses reached = reached_poses(calibrated_cell(cell_, folder_ / "calibration"),
-                                         wanted,
-                                         static_cast<std::size_t>(options_.poses_a_round));
+    return reached_poses(calibrated_cell(cell_, folder_ / "calibration"),
+                         wanted,
+                         static_cast<std::size_t>(options_.poses_a_round));
+  }
+
+  /// Pictures of a round belong to the paths that its arm was on, which earlier programs have not
+  /// kept.
+  void check_not_begun(int round) const {
+    if (recorded_sessions(round_folder(round)) > 0) {
+      throw ConfigError(fmt::format(
+          "{}: an earlier program began this round and has not kept the paths that it chose for "
+          "it; remove this folder, and the same command takes the round anew",
+          round_folder(round).string()));
+    }
+  }
+
+  /// The cell may have got another obstacle since the paths were chosen.
+  void check_still_free(int round, const ViewPlan& plan) const {
+    const std::string touch = obstruction(calibrated_cell(cell_, folder_ / "calibration"), plan);
+    if (!touch.empty()) {
+      throw ConfigError(fmt::format(
+          "{}: a path that was chosen for this round is no longer free: {}; remove this folder and "
+          "{}, and the same command takes the round anew",
+          plan_folder(round).string(),
+          touch,
+          round_folder(round).string()));
+    }
+  }
+
+  /// Those that the round was begun with, else new ones, which are kept for a later call.
+  ReachedPoses poses_of(int round) const {
+    const fs::path kept = kept_file(round);
+    if (fs::exists(kept)) {
+      ReachedPoses poses = kept_poses(kept);
+      check_still_free(round, poses.plan);
+      return poses;
+    }
+    check_not_begun(round);
+    ReachedPoses reached = planned_poses(round);
+    if (reached.plan.paths.empty()) {
+      return reached;  // not kept: the same command looks again, in a cell that was changed
+    }
+    keep_poses(reached, cell_.file, kept);
+    return kept_poses(kept);
+  }
+
+  /// @return whether there is anything to photograph, or it has been photographed
+  bool seek_poses(int round) {
     views_.clear();
-    for (const PlannedView& planned : reached.plan.views) {
+    if (ended_round(round_folder(round))) {
+      const fs::path kept = kept_file(round);
+      plan_.reset();
+      refused_ = fs::exists(kept) ? refused_json(kept_poses(kept).refused) : Json::array();
+      return true;
+    }
+    ReachedPoses poses = poses_of(round);
+    for (const PlannedView& planned : poses.plan.views) {
       CellPosition view = cell_.views.front();  // its lights and exposure
       view.name = planned.name;
       view.joints_rad.assign(planned.joints_rad.begin(), planned.joints_rad.end());
       views_.push_back(view);
     }
-    refused_ = refused_json(reached.refused);
-    plan_ = std::move(reached.plan);
+    refused_ = refused_json(poses.refused);
+    plan_ = std::move(poses.plan);
+    return !plan_->paths.empty();
   }
 
   const CalibrateCellOptions& options_;
@@ -175,7 +239,7 @@ class CellCalibration {
   Cell cell_;
   fs::path folder_;
   std::vector<CellPosition> views_ = cell_.views;  ///< of the next round
-  std::optional<ViewPlan> plan_;                   ///< of these; none: planned by their joints
+  std::optional<ViewPlan> plan_;                   ///< of these; none: by their joints
   std::vector<fs::path> pictures_;
   std::string poses_;
   Json rounds_ = Json::array();

@@ -6,7 +6,8 @@
 //     DIR/round_1, round_2 ...  what `glint acquire` leaves: the cell's own views first, then poses
 //                               that the calibration so far asks for
 //     DIR/pictures, poses.toml  of all rounds, as `glint calibrate` reads them
-//     DIR/plan_2 ...            `glint calibrate --plan` of each further round
+//     DIR/plan_2 ...            `glint calibrate --plan` of each further round; tour.json has the
+//                               poses and paths that were chosen, which a later call drives, too
 //     DIR/calibration           `glint calibrate` of all pictures
 #pragma once
 
@@ -37,7 +38,9 @@ std::filesystem::path calibration_folder(const AcquireOptions& acquire);
 /// @return {"status", "ok", "rounds": [...], "refused": [...], "calibration"}; status "good",
 ///         "no_pose_helps" (the last round made it better by less than a tenth), "most_rounds" (all
 ///         were used), "no_pose_reached" (each pose that was asked for is refused), "stopped"
-/// @throws ConfigError, IoError; what has been taken stays, and the same call goes on with it
+/// @throws ConfigError, IoError; what has been taken stays, and the same call goes on with it. Not
+///         with a round that has not ended where something stands in its way by now, or an earlier
+///         program chose its paths: ConfigError says what to remove
 nlohmann::ordered_json calibrate_cell(const CalibrateCellOptions& options,
                                       const MotionPermit& permit);
 

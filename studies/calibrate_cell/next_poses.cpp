@@ -3,8 +3,12 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "hardware/planning/clearance.h"
 #include "hardware/planning/view_planner.h"
 #include "studies/calibrate/known_calibration.h"
+#include "studies/plan/plan_file.h"
 #include "studies/reach/scene_cell.h"
 
 namespace glint::calibrate_cell_detail {
@@ -31,6 +35,16 @@ ViewRequest request_of(const PlanningCell& cell, const WantedPose& wanted) {
           .base_from_camera = wanted.base_from_flange * cell.flange_from_camera};
 }
 
+/// Also those that no path leads to.
+void set_refused_apart(ReachedPoses& poses) {
+  std::vector<PlannedView> taken;
+  for (PlannedView& view : poses.plan.views) {
+    auto& views = view.outcome == ViewOutcome::kPlanned ? taken : poses.refused;
+    views.push_back(std::move(view));
+  }
+  poses.plan.views = std::move(taken);
+}
+
 }  // namespace
 
 ReachedPoses reached_poses(const PlanningCell& cell,
@@ -51,7 +65,38 @@ ReachedPoses reached_poses(const PlanningCell& cell,
     }
   }
   reached.plan = plan_views(cell, taken, {.has_nearest = false});
+  set_refused_apart(reached);
   return reached;
+}
+
+void keep_poses(const ReachedPoses& poses,
+                const std::filesystem::path& cell,
+                const std::filesystem::path& file) {
+  ViewPlan all = poses.plan;
+  all.views.insert(all.views.end(), poses.refused.begin(), poses.refused.end());
+  write_plan({.plan = std::move(all), .cell = cell}, file);
+}
+
+ReachedPoses kept_poses(const std::filesystem::path& file) {
+  ReachedPoses poses = {.plan = read_plan(file).plan, .refused = {}};
+  set_refused_apart(poses);
+  return poses;
+}
+
+std::string obstruction(const PlanningCell& cell, const ViewPlan& plan) {
+  const ClearanceCheck clearance(cell);
+  for (const PlannedPath& path : plan.paths) {
+    for (std::size_t i = 1; i < path.joints_rad.size(); ++i) {
+      const JointVector& from_rad = path.joints_rad[i - 1];
+      const JointVector& to_rad = path.joints_rad[i];
+      const Clearance way = clearance.along(from_rad, to_rad);
+      // Planning looked at it in one of both directions; at the margin they may differ.
+      if (!way.is_free() && !clearance.along(to_rad, from_rad).is_free()) {
+        return fmt::format("from {} to {}: {}", path.from, path.to, way.text);
+      }
+    }
+  }
+  return "";
 }
 
 PlanningCell calibrated_cell(const Cell& cell, const std::filesystem::path& calibration) {

@@ -31,6 +31,19 @@ ReachedPoses reached_poses(const PlanningCell& cell,
                            std::span<const WantedPose> wanted,
                            std::size_t most);
 
+/// Writes them as plan_file.h has plans, so that a later call drives the same.
+/// @param cell  its file
+void keep_poses(const ReachedPoses& poses,
+                const std::filesystem::path& cell,
+                const std::filesystem::path& file);
+
+/// What keep_poses() wrote, its joints to the last digit of their degrees: each call has to drive
+/// what this tells, the one that wrote it, too.
+ReachedPoses kept_poses(const std::filesystem::path& file);
+
+/// What a path of the plan would touch by now; empty: nothing.
+std::string obstruction(const PlanningCell& cell, const ViewPlan& plan);
+
 /// planning_cell() of a cell without a scene, with camera and board where a calibration has them.
 /// @param calibration  its folder; with poses
 /// @throws ConfigError, IoError

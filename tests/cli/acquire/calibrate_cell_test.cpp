@@ -79,9 +79,7 @@ void expect_right_status(const json& told) {
   EXPECT_EQ(told["ok"], status == "good");
 }
 
-TEST(CalibrateCell, FindsTheHiddenHandEye) {
-  const TemporaryFolder folder;
-  write_board_cell(folder);
+void start_twins(const TemporaryFolder& folder) {
   json_of(folder,
           {"cell",
            "twin",
@@ -92,22 +90,77 @@ TEST(CalibrateCell, FindsTheHiddenHandEye) {
            "--detach",
            "--ready_file",
            "twin.json"});
-  const ProgramResult result = glint_in(folder,
-                                        {"calibrate",
-                                         "--cell",
-                                         "cell.toml",
-                                         "--twin",
-                                         "twin.json",
-                                         "--board",
-                                         "board.toml",
-                                         "--confirmed",
-                                         "ring",
-                                         "--speed_share",
-                                         "1",
-                                         "--out",
-                                         "out",
-                                         "--json",
-                                         "--move"});
+}
+
+ProgramResult calibrate(const TemporaryFolder& folder) {
+  return glint_in(folder,
+                  {"calibrate",
+                   "--cell",
+                   "cell.toml",
+                   "--twin",
+                   "twin.json",
+                   "--board",
+                   "board.toml",
+                   "--confirmed",
+                   "ring",
+                   "--speed_share",
+                   "1",
+                   "--out",
+                   "out",
+                   "--json",
+                   "--move"});
+}
+
+void expect_refused(const TemporaryFolder& folder, const std::string& why) {
+  const ProgramResult result = calibrate(folder);
+  EXPECT_EQ(result.code, 2) << result.out;
+  EXPECT_THAT(result.err, HasSubstr(why));
+}
+
+json told_by_same_command(const TemporaryFolder& folder) {
+  const ProgramResult result = calibrate(folder);
+  EXPECT_THAT(result.code, testing::AnyOf(0, 1)) << result.err;
+  return json::parse(result.out, nullptr, false);
+}
+
+/// The second round as a robot that stopped at its end leaves it.
+void interrupt_second_round(const TemporaryFolder& folder) {
+  const fs::path file = folder / "out/round_2/acquired.json";
+  json acquired = json::parse(read_file(file));
+  acquired["status"] = "stopped";
+  write_file(file, acquired.dump());
+}
+
+/// After a calibration that ended in its rounds: the same command in a cell that has changed.
+void expect_resumed(const TemporaryFolder& folder, const json& told) {
+  const std::string cell = read_file(folder / "cell.toml");
+  const std::string wall =
+      "\n[[obstacle]]\nname = \"wall\"\nposition_mm = [300, 0, 100]\nsize_mm = [400, 400, 300]\n";
+  start_twins(folder);
+  write_file(folder / "cell.toml", cell + wall);
+  const json whole = told_by_same_command(folder);  // neither planned nor driven again
+  EXPECT_EQ(whole["rounds"], told["rounds"]) << whole;
+  interrupt_second_round(folder);
+  expect_refused(folder, "no longer free");
+  // What would be planned now begins at another safe position.
+  const std::string beside =
+      "[[safe_position]]\nname = \"beside\"\n"
+      "joints_deg = [12, -82.466, -92.57, -94.964, 90.0, -81.127]\n\n";
+  write_file(folder / "cell.toml",
+             std::string(cell).insert(cell.find("[[safe_position]]"), beside));
+  const json resumed = told_by_same_command(folder);
+  EXPECT_NE(resumed.value("status", "stopped"), "stopped") << resumed;
+  glint_in(folder, {"cell", "twin", "stop", "twin.json"});
+  interrupt_second_round(folder);
+  fs::remove(folder / "out/plan_2/tour.json");
+  expect_refused(folder, "an earlier program began this round");
+}
+
+TEST(CalibrateCell, FindsTheHiddenHandEye) {
+  const TemporaryFolder folder;
+  write_board_cell(folder);
+  start_twins(folder);
+  const ProgramResult result = calibrate(folder);
   glint_in(folder, {"cell", "twin", "stop", "twin.json"});
   ASSERT_THAT(result.code, testing::AnyOf(0, 1)) << result.err;
   const json told = json::parse(result.out);
@@ -123,6 +176,7 @@ TEST(CalibrateCell, FindsTheHiddenHandEye) {
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(hand_eye["translation_mm"][i].get<double>(), truth[i].get<double>(), 0.5);
   }
+  expect_resumed(folder, told);
 }
 
 }  // namespace

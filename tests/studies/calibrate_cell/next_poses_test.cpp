@@ -106,6 +106,30 @@ TEST_F(NextPoses, AreReachedAroundAPost) {
   }
 }
 
+// Pictures of a round that was interrupted are told by the joints that they were taken at.
+TEST_F(NextPoses, AreTheSameWhenTheyAreReadAgain) {
+  const ReachedPoses poses = reached(kCell + post_at(40.0), 2);
+  keep_poses(poses, folder_ / "cell.toml", folder_ / "tour.json");
+  const ReachedPoses kept = kept_poses(folder_ / "tour.json");
+  EXPECT_EQ(names_of(kept.plan.views), names_of(poses.plan.views));
+  EXPECT_EQ(names_of(kept.refused), names_of(poses.refused));
+  ASSERT_EQ(kept.plan.paths.size(), poses.plan.paths.size());
+  for (std::size_t i = 0; i < kept.plan.paths.size(); ++i) {
+    const auto& [joints_rad, expected_rad] =
+        std::pair(kept.plan.paths[i].joints_rad, poses.plan.paths[i].joints_rad);
+    ASSERT_EQ(joints_rad.size(), expected_rad.size());
+    for (std::size_t k = 0; k < joints_rad.size(); ++k) {
+      EXPECT_LT((joints_rad[k] - expected_rad[k]).cwiseAbs().maxCoeff(), 1e-12);
+    }
+  }
+}
+
+TEST_F(NextPoses, TellWhatStandsInTheirWaySinceTheyWereChosen) {
+  const ReachedPoses poses = reached(kCell, 2);
+  EXPECT_EQ(obstruction(cell_of(kCell), poses.plan), "");
+  EXPECT_THAT(obstruction(cell_of(kCell + post_at(40.0)), poses.plan), HasSubstr("post"));
+}
+
 TEST_F(NextPoses, KeepTheCameraClearWhereItIsKnown) {
   const std::string room = "[planning]\ncamera_size_mm = [40, 40, 90]\n";
   try {

@@ -134,11 +134,21 @@ deep_slow_golden() {
   build_preset dev && run_tests dev -R "$golden_tests"
 }
 
+# What the rows of slow_changes depend on: the program, its libraries, the test and the pictures' width.
+changes_key() { # build folder
+  (
+    cd "$1" || exit
+    find . -type f \( -name 'libglint*.so*' -o -path ./glint -o -path ./tests/cli/test_cli_compare_changes \) -print0 |
+      LC_ALL=C sort -z | xargs -0 sha256sum
+    echo "${GLINT_COMPARE_WIDTH:-}"
+  ) | sha256sum | cut -c1-16
+}
+
 # Cases take hours: at most 35 minutes of them at a time, what was said of each is kept for this build.
 deep_slow_changes() {
   build_preset dev || return
   local cases=200 state status=0
-  state=$root/build/deep/changes_$(sha256sum "$root/build/dev/glint" | cut -c1-16).jsonl
+  state=$root/build/deep/changes_$(changes_key "$root/build/dev").jsonl
   GLINT_COMPARE_CASES=$cases GLINT_COMPARE_BUDGET_S=2100 GLINT_COMPARE_STATE=$state \
     "$root/build/dev/tests/cli/test_cli_compare_changes" --gtest_filter=KnownChanges.AreNamedWithHonestSigmas || status=1
   if (($(wc -l <"$state") < cases)); then

@@ -63,6 +63,7 @@ class CompareRun {
 
   Json execute() {
     plan_ = plan_comparison(options_.inputs);
+    passes_.emplace(store_, plan_.pairs);
     check_folder();
     pair_options_ = {
         .real_mask = options_.mask,
@@ -125,9 +126,12 @@ class CompareRun {
       return result;
     });
     for (Explained& explained : compared) {  // each by all threads
-      explained.missing = passes_.complete(explained.pair.simulated);
+      explained.missing = passes_->complete(explained.pair);
     }
     pool_.for_each(count, [&](std::int64_t i) { explain(compared[static_cast<std::size_t>(i)]); });
+    for (Explained& explained : compared) {
+      passes_->release(explained.pair);
+    }
     return compared;
   }
 
@@ -145,8 +149,7 @@ class CompareRun {
   void add_roughness_to(Explained& explained) {
     if (options_.has_roughness) {
       const auto start = std::chrono::steady_clock::now();
-      SceneStore store(pool_);
-      add_roughness(explained.pair, store, explained.causes);
+      add_roughness(explained.pair, store_, explained.causes);
       roughness_s_ += seconds_since(start);
     }
   }
@@ -154,7 +157,7 @@ class CompareRun {
   /// What rendering took, beside what comparing did.
   Json timings() const {
     const double all_s = seconds_since(start_);
-    const double render_s = passes_.render_s() + roughness_s_;
+    const double render_s = passes_->render_s() + roughness_s_;
     return {{"this_run_s", all_s}, {"render_s", render_s}, {"compare_s", all_s - render_s}};
   }
 
@@ -254,7 +257,8 @@ class CompareRun {
   const CompareOptions& options_;
   fs::path out_;
   ThreadPool pool_;
-  GeometryPasses passes_{pool_};
+  SceneStore store_{pool_};               ///< all designs of a run have the same part
+  std::optional<GeometryPasses> passes_;  ///< of the plan
   double roughness_s_ = 0.0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   ComparePlan plan_;

@@ -2,14 +2,14 @@
 #include "studies/compare/geometry_passes.h"
 
 #include <chrono>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
 #include "core/wall_clock.h"
 #include "studies/compare/camera/scene_camera.h"
-#include "studies/imaging/scene_store.h"
-#include "studies/imaging/view_geometry.h"
+#include "studies/imaging/geometry/view_geometry.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -27,19 +27,50 @@ std::string missing_sentence(const fs::path& scene, const std::string& why) {
       why);
 }
 
+/// A view whose folder has a scene but no geometry.
+bool lacks_geometry(const CompareSource& source) {
+  return !source.scene.empty() && source.geometry.empty();
+}
+
 }  // namespace
 
-std::string GeometryPasses::complete(ComparedPicture& picture) {
-  CompareSource& source = picture.source;
-  if (source.scene.empty() || !source.geometry.empty()) {
+GeometryPasses::GeometryPasses(SceneStore& store, std::span<const ComparePair> pairs)
+    : store_(store) {
+  for (const ComparePair& pair : pairs) {
+    if (lacks_geometry(pair.simulated)) {
+      ++to_come_[pair.simulated.scene];
+    }
+  }
+}
+
+std::string GeometryPasses::complete(ComparedPair& pair) {
+  CompareSource& source = pair.simulated.source;
+  const OutlinePair& outlines = pair.geometry.outlines;
+  if (!lacks_geometry(source) || outlines.simulated.located.empty() ||
+      outlines.real.located.empty()) {
     return "";
   }
   auto found = made_.find(source.scene);
   if (found == made_.end()) {
-    found = made_.emplace(source.scene, make(picture)).first;
+    found = made_.emplace(source.scene, make(pair.simulated)).first;
   }
   source.geometry = found->second.file;
   return found->second.missing;
+}
+
+void GeometryPasses::release(ComparedPair& pair) {
+  CompareSource& source = pair.simulated.source;
+  const auto left = to_come_.find(source.scene);
+  if (left == to_come_.end()) {
+    return;
+  }
+  source.geometry.clear();
+  const auto made = made_.find(source.scene);
+  if (--left->second == 0 && made != made_.end()) {
+    std::error_code ignored;
+    fs::remove(made->second.file, ignored);
+    made_.erase(made);
+  }
 }
 
 GeometryPasses::Made GeometryPasses::make(const ComparedPicture& picture) {
@@ -67,9 +98,8 @@ fs::path GeometryPasses::render(const fs::path& scene) {
   if (!folder_) {
     folder_.emplace("the geometry of views");
   }
-  SceneStore store(pool_);
-  const fs::path file = folder_->path() / fmt::format("geometry_{}.exr", made_.size());
-  write_geometry(render_geometry(store, read_view_scene(scene), kSamples), file);
+  const fs::path file = folder_->path() / fmt::format("geometry_{}.exr", num_rendered_++);
+  write_geometry(render_geometry(store_, read_view_scene(scene), kSamples), file);
   return file;
 }
 

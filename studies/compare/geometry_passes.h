@@ -6,22 +6,29 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 
-#include "core/thread_pool.h"
-#include "studies/compare/compared_picture.h"
+#include "studies/compare/compared_pair.h"
+#include "studies/imaging/scene_store.h"
 #include "studies/output/scratch_folder.h"
 
 namespace glint {
 
-/// Renders each view once, however often it is compared. Its files go with it.
+/// Renders each view once, however often it is compared, and keeps its file until it has been.
 class GeometryPasses {
  public:
-  explicit GeometryPasses(ThreadPool& pool) : pool_(pool) {}
+  /// @param store  keeps the part, which is that of all designs of a run
+  /// @param pairs  that will be completed and released
+  GeometryPasses(SceneStore& store, std::span<const ComparePair> pairs);
 
-  /// Gives a view that has a scene but no geometry that of one pass of camera rays.
+  /// Gives a view that has a scene but no geometry that of one pass of camera rays, where edges
+  /// were located in both pictures: without, there is nothing that it could name or explain.
   /// @returns what is missing where that cannot be had, as a sentence; empty: nothing
-  std::string complete(ComparedPicture& picture);
+  std::string complete(ComparedPair& pair);
+
+  /// The pair's geometry has been read. Removes the file after the last pair of a view.
+  void release(ComparedPair& pair);
 
   double render_s() const { return render_s_; }  ///< spent so far
 
@@ -34,9 +41,12 @@ class GeometryPasses {
   Made make(const ComparedPicture& picture);
   std::filesystem::path render(const std::filesystem::path& scene);
 
-  ThreadPool& pool_;
+  SceneStore& store_;
   std::optional<ScratchFolder> folder_;
+  std::map<std::filesystem::path, int>
+      to_come_;                                 ///< pairs of views without geometry, by scene.toml
   std::map<std::filesystem::path, Made> made_;  ///< by scene.toml
+  int num_rendered_ = 0;
   double render_s_ = 0.0;
 };
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "studies/compare/defect_contrast.h"
+#include "studies/inspect/defect_contrast.h"
 #include "studies/inspect/inspect_rules.h"
 #include "studies/inspect/inspected_part.h"
 

@@ -12,7 +12,7 @@
 #include "core/file.h"
 #include "core/image/exr_layers.h"
 #include "studies/imaging/frame_exposure.h"
-#include "studies/imaging/view_geometry.h"
+#include "studies/imaging/geometry/view_geometry.h"
 #include "studies/run/render_maps.h"
 
 namespace glint {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/imaging/view_geometry.h"
+#include "studies/imaging/geometry/view_geometry.h"
 
 #include <algorithm>
 #include <cstdint>

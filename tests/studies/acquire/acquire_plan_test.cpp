@@ -174,13 +174,13 @@ shape = "plate"
 length_mm = 20
 width_mm = 20
 [calibration.flange_from_camera]
-translation_mm = [0, 50, 30]
+translation_mm = [0, 60, 60]
 rotation_vector_deg = [0, 0, 0]
 )";
 
 // The scene does not lie in the cell: its views are the cell's.
 TEST_F(AcquirePlan, KeepsTheCameraClearWhereTheSceneHasIt) {
-  const std::string camera = "[planning]\ncamera_size_mm = [40, 40, 90]\n";
+  const std::string camera = "[planning]\ncamera_size_mm = [30, 30, 40]\n";
   write_file(folder_ / "scene.toml", kSceneWithCamera);
   AcquireSource source;
   source.scene = load_study(folder_ / "scene.toml", {}).scene;

@@ -176,6 +176,8 @@ width_mm = 20
 [calibration.flange_from_camera]
 translation_mm = [0, 60, 60]
 rotation_vector_deg = [0, 0, 0]
+[scan]
+positions = 1
 )";
 
 // The scene does not lie in the cell: its views are the cell's.

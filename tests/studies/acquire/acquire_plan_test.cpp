@@ -187,6 +187,7 @@ TEST_F(AcquirePlan, KeepsTheCameraClearWhereTheSceneHasIt) {
   AcquireSource source;
   source.scene = load_study(folder_ / "scene.toml", {}).scene;
   source.scene->lights.clear();
+  source.scene->has_tunnel = false;
   const AcquireWork work = work_of(source, cell_of(kCell + camera), 0.5);
   EXPECT_EQ(work.plan.tasks.size(), 2U);
 }

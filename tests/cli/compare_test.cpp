@@ -134,7 +134,7 @@ class ComparedDesign : public CompareVerb {
                    "[objective]\nmaximise = \"defects.min_cnr\"\n[budget]\nevaluations = 2\n");
     call({"run", "study.toml", "--quiet", "--out", "run"});
     call({"render",
-          "run/best/scene.toml",
+          "run/winner/scene.toml",
           "--set",
           "camera.center_x_px=62",
           "--set",
@@ -150,13 +150,13 @@ class ComparedDesign : public CompareVerb {
   }
 
   Json compared() const {
-    return json_of(folder_, {"compare", "run/best", "photo/baseline/image.tif", "--out", "out"});
+    return json_of(folder_, {"compare", "run/winner", "photo/baseline/image.tif", "--out", "out"});
   }
 };
 
 // A run leaves no geometry.exr: it is rendered. The camera's centre lies 2 px to the right.
 TEST_F(ComparedDesign, HasNamedEdgesAndCauses) {
-  ASSERT_FALSE(std::filesystem::exists(folder_ / "run/best/geometry.exr"));
+  ASSERT_FALSE(std::filesystem::exists(folder_ / "run/winner/geometry.exr"));
   const Json result = compared();
   const Json& pair = result["pairs"][0];
   ASSERT_FALSE(pair["edges"].empty());
@@ -175,11 +175,11 @@ TEST_F(ComparedDesign, HasNamedEdgesAndCauses) {
 }
 
 TEST_F(ComparedDesign, SaysWhyItHasNoGeometry) {
-  const auto scene = folder_ / "run/best/scene.toml";
+  const auto scene = folder_ / "run/winner/scene.toml";
   write_file(scene, edited(read_file(scene), {{"width_px = 120", "width_px = 124"}}));
   const Json result = compared();
   EXPECT_THAT(result["pairs"][0]["notes"].dump(),
-              AllOf(HasSubstr("run/best has no geometry.exr"), HasSubstr("124 x 90 pixels")));
+              AllOf(HasSubstr("run/winner has no geometry.exr"), HasSubstr("124 x 90 pixels")));
   EXPECT_FALSE(is_told(result["pairs"][0]["causes"], "centre_x"));
 }
 

@@ -99,9 +99,9 @@ std::string read_file(const fs::path& path) {
   return bytes;
 }
 
-bool is_there(const std::filesystem::path& path) {
+bool is_there(const fs::path& path) {
   std::error_code ignored;
-  return std::filesystem::exists(path, ignored);
+  return fs::exists(path, ignored);
 }
 
 void make_folder(const fs::path& path) {

@@ -12,6 +12,7 @@
 
 #include "core/image/image_io.h"
 #include "tests/cli/program.h"
+#include "tests/cli/ring_or_bar.h"
 #include "tests/studies/compare/compare_fixture.h"
 
 namespace glint::test {
@@ -276,40 +277,7 @@ TEST_F(Page, OfPopulationsIsDrawn) {
 }
 
 TEST_F(Page, OfAValidationIsDrawn) {
-  write_file(folder_ / "study.toml", R"(schema = 2
-[part]
-shape = "plate"
-length_mm = 16
-width_mm = 12
-[material]
-type = "conductor"
-roughness = 0.3
-[camera]
-width_px = 120
-height_px = 90
-object_pixel_mm = 0.2
-working_distance_mm = 100
-[sensor]
-exposure = 0.5
-bits = 12
-full_well_e = 10000
-[render.paths]
-samples = 32
-max_reflections = 1
-[lighting.ring]
-mount = "camera"
-segments = 4
-[lighting.bar]
-position_mm = [0, 60, 60]
-direction = [0, -1, -1]
-[defects.dent]
-diameter_mm = 3
-height_um = 100
-[prototypes.ring]
-"lighting.bar.radiance" = [0]
-[prototypes.bar]
-"lighting.ring.radiance" = [0]
-[objective]
+  write_file(folder_ / "study.toml", std::string(kRingOrBar) + R"([objective]
 maximise = "defects.min_cnr"
 [validate]
 )");

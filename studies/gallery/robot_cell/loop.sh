@@ -58,11 +58,12 @@ printf 'schema = 2\ninclude = ["%s"]\n%s\n' "$here/study.toml" "$resize" >"$out/
 
 # 1. The camera's lens and its place on the flange.
 "$glint" cell twin both "$out/cell_board.toml" --port 0 --detach --ready_file "$ready"
+status=0
 "$glint" calibrate --cell "$out/cell_board.toml" --twin "$ready" --board "$here/board.toml" \
   --target_px "${TARGET_PX:-0.3}" --out "$out/calibrate" --move || status=$?
-if [[ ${status:-0} -eq 1 && -e $out/calibrate/calibration/calibration.toml ]]; then
+if [[ $status -eq 1 && -e $out/calibrate/calibration/calibration.toml ]]; then
   echo "going on with this calibration"
-elif [[ ${status:-0} -ne 0 ]]; then
+elif [[ $status -ne 0 ]]; then
   exit "$status"  # no calibration at all
 fi
 twins_down

@@ -22,6 +22,7 @@
 #include "core/rng.h"
 #include "hardware/robot/twin_proof.h"
 #include "tests/cli/acquire/arm_place.h"
+#include "tests/cli/acquire/gallery_cell.h"
 #include "tests/cli/program.h"
 #include "tests/cli/served_twins.h"
 
@@ -37,23 +38,13 @@ using testing::AllOf;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-const fs::path kGallery = fs::path(GLINT_SOURCE_DIR) / "studies/gallery/twin_cell";
-
 /// The gallery's cell with pictures of a quarter as many pixels, and an arm that moves 20 times as
 /// fast.
 class SmallTwins {
  public:
   SmallTwins() {
-    write_file(folder / "truth.toml",
-               edited(read_file(kGallery / "truth.toml"),
-                      {{"width_px = 408", "width_px = 204"},
-                       {"height_px = 342", "height_px = 171"},
-                       {"pixel_um = 10.35", "pixel_um = 20.7"},
-                       {"object_pixel_mm = 0.15", "object_pixel_mm = 0.3"},
-                       {"samples = 8", "samples = 4"}}));
-    write_file(folder / "cell.toml",
-               edited(read_file(kGallery / "cell.toml"),
-                      {{"truth = \"truth.toml\"", "truth = \"truth.toml\"\nmotion_speedup = 20"}}));
+    write_file(folder / "truth.toml", small_truth());
+    write_file(folder / "cell.toml", fast_cell());
     twins_.emplace(folder, "both", "cell.toml");
   }
 
@@ -61,19 +52,9 @@ class SmallTwins {
   SmallTwins& operator=(const SmallTwins&) = delete;
 
   static Arguments acquire(const std::string& out) {
-    return {"acquire",
-            "--cell",
-            "cell.toml",
-            "--twin",
-            "twin.json",
-            "--confirmed",
-            "ring",
-            "--speed_share",
-            "1",
-            "--move",
-            "--json",
-            "--out",
-            out};
+    Arguments call = driving({"acquire"});
+    call.insert(call.end(), {"--out", out});
+    return call;
   }
 
   void fault(const std::string& what) const {
@@ -338,7 +319,8 @@ designs = "narrow"
 TEST(Acquire, OfARunThatWaitsForAPrototypeGoesOnByValidating) {
   const TemporaryFolder folder;
   write_file(folder / "study.toml", kTwoRings);
-  const std::string cell = kGallery / "cell.toml";  // nobody serves it, and nobody is looked for
+  const std::string cell =
+      kGalleryCell / "cell.toml";  // nobody serves it, and nobody is looked for
   const ProgramResult result = glint_in(
       folder,
       {"run", "study.toml", "--out", "my o/run", "--cell", cell, "--confirmed", "ring", "--move"});
@@ -351,7 +333,7 @@ TEST(Acquire, OfARunThatWaitsForAPrototypeGoesOnByValidating) {
 
 /// A strip under a tunnel whose stripes a stage moves, seen from one view.
 void write_tunnel_cell(const TemporaryFolder& folder) {
-  const std::string truth = read_file(kGallery / "truth.toml");
+  const std::string truth = read_file(kGalleryCell / "truth.toml");
   const std::string scene = R"(schema = 1
 [part]
 shape = "strip"
@@ -381,13 +363,12 @@ period_mm = 12
 )";
   write_file(folder / "scene.toml", scene);
   write_file(folder / "truth.toml", scene + truth.substr(truth.find("[truth]")));
-  const std::string cell = read_file(kGallery / "cell.toml");
+  const std::string cell = fast_cell();
   write_file(folder / "tunnel_cell.toml",
              edited(cell.substr(0, cell.find("[[view]]\nname = \"left\"")),
                     {{"[lights.ring]\nkind = \"manual\"\n\n[lights.bar]",
                       "[stage]\nhost = \"127.0.0.1\"\nspeed_mm_s = 40\n\n[lights.tunnel]"},
-                     {"lights = [\"ring\"]", "lights = [\"tunnel\"]"},
-                     {"truth = \"truth.toml\"", "truth = \"truth.toml\"\nmotion_speedup = 20"}}));
+                     {"lights = [\"ring\"]", "lights = [\"tunnel\"]"}}));
 }
 
 TEST(Acquire, TakesAScanWithItsStageKilledInBetween) {
@@ -430,7 +411,7 @@ TEST(Acquire, TakesAScanWithItsStageKilledInBetween) {
 
 TEST(Acquire, TellsWhatItWouldDoAndConnectsToNothing) {
   const TemporaryFolder folder;
-  const std::string cell = kGallery / "cell.toml";  // nobody serves it
+  const std::string cell = kGalleryCell / "cell.toml";  // nobody serves it
   const json plan = json_of(folder, {"acquire", "--cell", cell, "--dry_run", "--out", "out"});
   EXPECT_EQ(plan["pictures"], 5);
   EXPECT_EQ(plan["views"][0]["view"], "straight");

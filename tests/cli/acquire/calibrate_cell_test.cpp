@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "tests/cli/acquire/gallery_cell.h"
 #include "tests/cli/program.h"
 
 namespace glint::test {
@@ -18,8 +19,6 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
-
-const fs::path kTwinCell = fs::path(GLINT_SOURCE_DIR) / "studies/gallery/twin_cell";
 
 constexpr const char* kBoard = R"([board]
 cols = 8
@@ -41,22 +40,16 @@ std::string between(const std::string& text, const std::string& from, const std:
 void write_board_cell(const TemporaryFolder& folder) {
   write_file(folder / "board.toml", kBoard);
   json_of(folder, {"calibrate", "--print_board", "board.toml", "--out", "board"});
-  const std::string truth = read_file(kTwinCell / "truth.toml");
+  const std::string truth = read_file(kGalleryCell / "truth.toml");
   write_file(
       folder / "board/truth.toml",
       "schema = 1\n" + read_file(folder / "board/board_part.toml") +
-          edited(between(truth, "[camera]", "[lens]"),
-                 {{"width_px = 408", "width_px = 306"},
-                  {"height_px = 342", "height_px = 256"},
-                  {"pixel_um = 10.35", "pixel_um = 13.8"},
-                  {"object_pixel_mm = 0.15", "object_pixel_mm = 0.2"}}) +
+          with_three_quarters(between(truth, "[camera]", "[lens]")) +
           between(truth, "[sensor]", "[defects.dent]") +
           edited(truth.substr(truth.find("[lighting.ring]")), {{"samples = 8", "samples = 6"}}));
   write_file(
       folder / "cell.toml",
-      edited(read_file(kTwinCell / "cell.toml"),
-             {{"truth = \"truth.toml\"", "truth = \"board/truth.toml\"\nmotion_speedup = 20"},
-              {"lights = [\"bar\"]", "lights = [\"ring\"]"}}) +
+      edited(fast_cell("board/truth.toml"), {{"lights = [\"bar\"]", "lights = [\"ring\"]"}}) +
           "\n[[obstacle]]\nname = \"post\"\nposition_mm = [280, -20, 70]\n"
           "size_mm = [20, 20, 140]\n");
 }
@@ -93,22 +86,7 @@ void start_twins(const TemporaryFolder& folder) {
 }
 
 ProgramResult calibrate(const TemporaryFolder& folder) {
-  return glint_in(folder,
-                  {"calibrate",
-                   "--cell",
-                   "cell.toml",
-                   "--twin",
-                   "twin.json",
-                   "--board",
-                   "board.toml",
-                   "--confirmed",
-                   "ring",
-                   "--speed_share",
-                   "1",
-                   "--out",
-                   "out",
-                   "--json",
-                   "--move"});
+  return glint_in(folder, driving({"calibrate", "--board", "board.toml", "--out", "out"}));
 }
 
 void expect_refused(const TemporaryFolder& folder, const std::string& why) {

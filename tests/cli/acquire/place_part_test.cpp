@@ -19,6 +19,7 @@
 #include "core/file.h"
 #include "core/units.h"
 #include "studies/twin_cell/truth.h"
+#include "tests/cli/acquire/gallery_cell.h"
 #include "tests/cli/program.h"
 
 namespace glint::test {
@@ -27,8 +28,6 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
-
-const fs::path kPlacedCell = fs::path(GLINT_SOURCE_DIR) / "studies/gallery/twin_cell";
 
 /// Where the part is known to lie beforehand: 1.2 mm and half a degree off.
 constexpr const char* kAboutHere = R"([cell.base_from_part]
@@ -107,11 +106,7 @@ void write_calibration(const fs::path& folder) {
 class PartOfACell : public testing::Test {
  protected:
   PartOfACell() {
-    const std::string truth = edited(read_file(kPlacedCell / "truth.toml"),
-                                     {{"width_px = 408", "width_px = 306"},
-                                      {"height_px = 342", "height_px = 256"},
-                                      {"pixel_um = 10.35", "pixel_um = 13.8"},
-                                      {"object_pixel_mm = 0.15", "object_pixel_mm = 0.2"}});
+    const std::string truth = with_three_quarters(read_file(kGalleryCell / "truth.toml"));
     write_file(folder_ / "truth.toml",
                truth + "placement_mm = [0.2, 0.2, 0]\nplacement_deg = [0, 0, 0.2]\n");
     const std::string known = truth.substr(0, truth.find("# The camera sits"));
@@ -121,9 +116,7 @@ class PartOfACell : public testing::Test {
         edited(known.substr(0, bar) + known.substr(known.find("[render.paths]")) + kAboutHere,
                {{"schema = 1", "schema = 2"}}));
     write_calibration(folder_ / "camera");
-    write_file(folder_ / "cell.toml",
-               edited(read_file(kPlacedCell / "cell.toml"),
-                      {{"truth = \"truth.toml\"", "truth = \"truth.toml\"\nmotion_speedup = 20"}}));
+    write_file(folder_ / "cell.toml", fast_cell());
   }
 
   TemporaryFolder folder_;

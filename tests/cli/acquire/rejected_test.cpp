@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "tests/cli/acquire/gallery_cell.h"
 #include "tests/cli/program.h"
 #include "tests/cli/served_twins.h"
 
@@ -19,18 +20,11 @@ using nlohmann::json;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-const fs::path kTwinGallery = fs::path(GLINT_SOURCE_DIR) / "studies/gallery/twin_cell";
-
 class ScenePictures : public testing::Test {
  protected:
   /// The gallery's part under its ring. @param limit  a key of [acquisition]
   json acquired(const std::string& limit) {
-    const std::string truth = edited(read_file(kTwinGallery / "truth.toml"),
-                                     {{"width_px = 408", "width_px = 204"},
-                                      {"height_px = 342", "height_px = 171"},
-                                      {"pixel_um = 10.35", "pixel_um = 20.7"},
-                                      {"object_pixel_mm = 0.15", "object_pixel_mm = 0.3"},
-                                      {"samples = 8", "samples = 4"}});
+    const std::string truth = small_truth();
     const std::size_t bar = truth.find("[lighting.bar]");
     const std::size_t render = truth.find("[render.paths]");
     const std::string scene =
@@ -43,26 +37,12 @@ class ScenePictures : public testing::Test {
                    "sigma_mm = [0.5, 0.5, 0.5]\n");
     write_file(folder_ / "truth.toml", truth);
     write_file(folder_ / "cell.toml",
-               edited(read_file(kTwinGallery / "cell.toml"),
-                      {{"truth = \"truth.toml\"", "truth = \"truth.toml\"\nmotion_speedup = 20"},
-                       {"[lights.ring]",
+               edited(fast_cell(),
+                      {{"[lights.ring]",
                         "[acquisition]\nmost_retakes = 1\n" + limit + "\n\n[lights.ring]"}}));
     const ServedTwins twins(folder_, "both", "cell.toml");
-    const ProgramResult result = glint_in(folder_,
-                                          {"acquire",
-                                           "scene.toml",
-                                           "--cell",
-                                           "cell.toml",
-                                           "--twin",
-                                           "twin.json",
-                                           "--confirmed",
-                                           "ring",
-                                           "--speed_share",
-                                           "1",
-                                           "--out",
-                                           "out",
-                                           "--json",
-                                           "--move"});
+    const ProgramResult result =
+        glint_in(folder_, driving({"acquire", "scene.toml", "--out", "out"}));
     EXPECT_THAT(result.code, testing::AnyOf(0, 1)) << result.err;
     return json::parse(read_file(folder_ / "out/acquired.json"));
   }

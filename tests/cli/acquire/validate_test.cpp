@@ -9,6 +9,7 @@
 
 #include "core/file.h"
 #include "tests/cli/program.h"
+#include "tests/cli/ring_or_bar.h"
 
 namespace glint::test {
 namespace {
@@ -16,48 +17,10 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// Ring or bar above a plate with a dent.
-constexpr const char* kRingOrBar = R"(schema = 2
-[part]
-shape = "plate"
-length_mm = 16
-width_mm = 12
-[material]
-type = "conductor"
-roughness = 0.3
-[camera]
-width_px = 120
-height_px = 90
-object_pixel_mm = 0.2
-working_distance_mm = 100
-[sensor]
-exposure = 0.5
-bits = 12
-full_well_e = 10000
-[render.paths]
-samples = 32
-max_reflections = 1
-[lighting.ring]
-mount = "camera"
-segments = 4
-[lighting.bar]
-position_mm = [0, 60, 60]
-direction = [0, -1, -1]
-[defects.dent]
-diameter_mm = 3
-height_um = 100
-[prototypes.ring]
-"lighting.bar.radiance" = [0]
-[prototypes.bar]
-"lighting.ring.radiance" = [0]
-[validate]
-designs = "bar"
-)";
-
 class Validate : public testing::Test {
  protected:
   void SetUp() override {
-    write_file(folder_ / "study.toml", kRingOrBar);
+    write_file(folder_ / "study.toml", std::string(kRingOrBar) + "[validate]\ndesigns = \"bar\"\n");
     const ProgramResult run = glint_in(folder_, {"run", "study.toml", "--quiet", "--out", "run"});
     ASSERT_EQ(run.code, 0) << run.err;
   }

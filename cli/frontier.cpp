@@ -228,15 +228,16 @@ int frontier_chart_command(const StudyArguments& arguments,
 }
 
 int stability_command(const StabilityArguments& arguments, const CommonArguments& common) {
-  const auto sweeps = stability::chosen_sweeps(arguments.sweeps);
-  if (arguments.is_list) {
-    return list_sweeps(sweeps, common);
-  }
   std::optional<Study> study;
   if (!arguments.study.study.empty()) {
     study = load_study(arguments.study);
   } else if (!arguments.study.sets.empty()) {
     throw ConfigError("--set: needs a STUDY.toml whose keys it sets");
+  }
+  const auto sweeps = stability::chosen_sweeps(
+      arguments.sweeps, study ? stability::swept_scene(study->scene) : stability::SweptScene());
+  if (arguments.is_list) {
+    return list_sweeps(sweeps, common);
   }
   stability::StabilityRun run{
       .out =

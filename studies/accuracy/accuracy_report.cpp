@@ -138,6 +138,14 @@ std::vector<std::string> reasons(const Study& study, const ChosenAccuracy& chose
 
 std::string work_text(const Json& work) {
   const double search = work["search"].get<double>();
+  if (search == 0.0) {
+    return fmt::format(
+        "Choosing it took as much counted work as {:.0f} evaluations; with finalists' accuracy "
+        "each "
+        "evaluation would take {:.1f} times the work.",
+        work["checking"].get<double>() / work["evaluation"].get<double>(),
+        work["full_evaluation"].get<double>() / work["evaluation"].get<double>());
+  }
   return fmt::format(
       "Choosing it took {:.0f} % of the counted work of the search; with finalists' "
       "accuracy the search would have taken {:.1f} times the work.",
@@ -215,12 +223,27 @@ std::string bounds_text(const Json& accuracy, const char* key) {
   return parts.empty() ? "none: too few designs could be evaluated" : join(parts, "; ");
 }
 
-/// "12.3 million paths, 41 % of the search"
+/// "12.3 million paths; 41 % of the search"
 std::string cost_text(const Json& work, double amount) {
-  return fmt::format("{:.3g} {}; {:.3g} % of the search",
-                     amount,
-                     work["unit"].get<std::string>(),
-                     100.0 * amount / work["search"].get<double>());
+  const double search = work["search"].get<double>();
+  const std::string share =
+      search > 0.0 ? fmt::format("; {:.3g} % of the search", 100.0 * amount / search) : "";
+  return fmt::format("{:.3g} {}{}", amount, work["unit"].get<std::string>(), share);
+}
+
+/// By the evaluations that there are; of one where their number is not known.
+std::string search_text(const Json& work) {
+  const double search = work["search"].get<double>();
+  return search > 0.0 ? cost_text(work, search)
+                      : fmt::format("{} for each evaluation",
+                                    cost_text(work, work["evaluation"].get<double>()));
+}
+
+std::string full_text(const Json& work) {
+  return work["search"].get<double>() > 0.0
+             ? cost_text(work, work["full"].get<double>())
+             : fmt::format("{} for each evaluation",
+                           cost_text(work, work["full_evaluation"].get<double>()));
 }
 
 /// What the section is about, in one place.
@@ -233,7 +256,7 @@ Json facts_table(const Json& accuracy) {
                    {"settings", settings_text(accuracy["settings"])},
                    {"errors of one more design", bounds_text(accuracy, "bound")},
                    {"of all designs, unchecked ones too", bounds_text(accuracy, "wide_bound")},
-                   {"the search takes", cost_text(work, work["search"].get<double>())},
+                   {"the search takes", search_text(work)},
                    {"choosing takes", cost_text(work, work["checking"].get<double>())}});
   if (accuracy.contains("check")) {
     const Json& check = accuracy["check"];
@@ -242,7 +265,7 @@ Json facts_table(const Json& accuracy) {
     rows.push_back(
         {"finalists at the top took", cost_text(work, check["finalist_work"].get<double>())});
   }
-  rows.push_back({"full physics would have taken", cost_text(work, work["full"].get<double>())});
+  rows.push_back({"full physics would have taken", full_text(work)});
   return {{"caption", "In one place; work is counted, not measured:"},
           {"head", {"what", "how"}},
           {"rows", rows}};
@@ -277,9 +300,16 @@ Json accuracy_json(const Study& study,
   const Json work = {{"unit", "million camera paths with direct light, counted"},
                      {"evaluation", chosen.rung().work},
                      {"checking", choice.work},
-                     {"search", earlier_work + chosen.rung().work * std::max(1, evaluations)},
-                     {"full", chosen.top().work * std::max(1, evaluations)}};
+                     {"full_evaluation", chosen.top().work},
+                     {"search", earlier_work + chosen.rung().work * evaluations},
+                     {"full", chosen.top().work * evaluations}};
   std::vector<std::string> why = reasons(study, chosen);
+  if (choice.num_alike > 0) {
+    why.push_back(
+        fmt::format("{} designs that were looked at are mirrors, which every one of these "
+                    "ways renders alike: how exact their scores are was not compared.",
+                    choice.num_alike));
+  }
   why.push_back(work_text(work));
   return {{"tolerance", tolerance_json(*study.accuracy)},
           {"confidence", study.accuracy->confidence},
@@ -293,6 +323,7 @@ Json accuracy_json(const Study& study,
           {"scores", scores_of_rung(choice.steps[choice.step], study.accuracy->is_auto)},
           {"designs", chosen.designs},
           {"failed", choice.num_failed},
+          {"alike", choice.num_alike},
           {"rungs", rungs_json(chosen)},
           {"work", work},
           {"not_modelled", unmodelled}};

@@ -63,6 +63,18 @@ std::vector<RenderRung> ladder_of(const Study& study) {
   return ladder;
 }
 
+/// Whether the rungs differ for a design. Those of paths render a mirror alike, so that no
+/// difference tells how far it is off.
+bool is_of_ladder(const Study& study,
+                  const std::vector<RenderRung>& ladder,
+                  const TriedDesign& design) {
+  try {
+    return !is_rendered_alike(scene_with(study, design.overrides), ladder);
+  } catch (const ConfigError&) {  // it fails on every rung
+    return true;
+  }
+}
+
 /// What the database does not keep would make a resumed trial another one.
 void make_storable(Outcome& outcome) {
   std::erase_if(outcome.scores, [](const auto& score) { return !std::isfinite(score.second); });
@@ -112,19 +124,35 @@ class RungEvaluator {
           {trial_name(trial.number), overrides_of(task.study, trial.point), trial.point});
     }
     std::ranges::copy(candidates_of(task.study), std::back_inserter(candidates_));
+    for (const TriedDesign& candidate : candidates_) {
+      is_of_ladder_.push_back(is_of_ladder(task.study, ladder_, candidate));
+    }
   }
 
   const std::vector<TriedDesign>& candidates() const { return candidates_; }
 
   std::vector<std::optional<Scores>> scores(std::size_t step,
                                             std::span<const std::size_t> candidates) {
-    evaluate_all(step, candidates);
+    std::vector<std::size_t> of_ladder;
+    std::ranges::copy_if(candidates, std::back_inserter(of_ladder), [&](std::size_t candidate) {
+      return is_of_ladder_[candidate];
+    });
+    evaluate_all(step, of_ladder);
     std::vector<std::optional<Scores>> found;
     for (const std::size_t candidate : candidates) {
-      const Outcome& known = outcome(step, candidate);
-      found.push_back(known.is_failed ? std::optional<Scores>() : known.scores);
+      const Outcome* known = is_of_ladder_[candidate] ? find(step, candidate) : nullptr;
+      found.push_back(known == nullptr || known->is_failed ? std::optional<Scores>()
+                                                           : known->scores);
     }
     return found;
+  }
+
+  /// How many of the first candidates every rung renders alike.
+  std::size_t num_alike(std::size_t candidates) const {
+    return static_cast<std::size_t>(
+        std::count(is_of_ladder_.begin(),
+                   is_of_ladder_.begin() + static_cast<std::ptrdiff_t>(candidates),
+                   false));
   }
 
   const Outcome& outcome(std::size_t step, std::size_t candidate) const {
@@ -200,6 +228,7 @@ class RungEvaluator {
   const std::vector<RenderRung>& ladder_;
   std::optional<std::string> begun_;
   std::vector<TriedDesign> candidates_;
+  std::vector<bool> is_of_ladder_;  ///< of each candidate; else all rungs render it alike
   std::mutex mutex_;
   Progress bar_;
   int done_ = 0;
@@ -241,6 +270,9 @@ ChosenAccuracy tried(const AccuracyTask& task,
       try_ladder(ladder, [&](std::size_t step, std::span<const std::size_t> candidates) {
         return evaluator.scores(step, candidates);
       });
+  const std::size_t asked = chosen.choice.designs.size() + chosen.choice.num_failed;
+  chosen.choice.num_alike = evaluator.num_alike(asked);
+  chosen.choice.num_failed -= chosen.choice.num_alike;
   const std::size_t step = chosen.choice.step;
   const bool is_tried = chosen.choice.steps[step].is_tried;
   for (const std::size_t design : chosen.choice.designs) {

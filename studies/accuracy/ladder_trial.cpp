@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "metrics/statistics/error_bound.h"
-#include "optimizer/algorithm/merit.h"
+#include "studies/accuracy/search_figures.h"
 
 namespace glint {
 namespace {
@@ -79,6 +79,13 @@ class LadderTrial {
       return choice_;
     }
     evaluate_below_top();
+    if (!below_top_ && task_.steps[top()].is_noisy && task_.steps[top()].fineness > 0.0) {
+      choice_.problem = fmt::format(
+          "how far \"{}\" itself is off cannot be told: no setting of its kind with at most half "
+          "its samples renders every design",
+          task_.steps[top()].name);
+      return choice_;
+    }
     leave_out_groups();
     climb();
     if (!choice_.is_reached) {
@@ -159,14 +166,17 @@ class LadderTrial {
     return !scores_[step].empty();
   }
 
-  /// The dearest step that is at most half as fine as the top, and of its group.
+  /// The dearest step that is at most half as fine as the top, of its group, and renders all
+  /// designs.
   void evaluate_below_top() {
     for (std::size_t step = top(); step-- > 0;) {
       const LadderStep& below = task_.steps[step];
       if (below.group == task_.steps[top()].group && below.fineness > 0.0 &&
           below.fineness <= 0.5 * task_.steps[top()].fineness) {
-        below_top_ = evaluate_step(step) ? std::optional(step) : std::nullopt;
-        return;
+        if (evaluate_step(step)) {
+          below_top_ = step;
+          return;
+        }
       }
     }
   }
@@ -357,10 +367,40 @@ class LadderTrial {
       }
     }
     if (task_.wish.is_auto) {
-      choice_.unreached.push_back(
-          fmt::format("none of the ways to render that a search may use ranks the designs as "
-                      "\"{}\" does; the dearest of them is taken",
-                      task_.steps.back().name));
+      choice_.unreached.push_back(unranked_text());
+    } else if (choice_.unreached.empty()) {
+      tell_taken_bounds();
+    }
+  }
+
+  std::string unranked_text() const {
+    const std::string& name = task_.steps.back().name;
+    const bool shows_nothing =
+        std::ranges::any_of(orders_against(top(), top()),
+                            [](const OrderOf& order) { return order.agreement.pairs == 0; });
+    return shows_nothing ? fmt::format(
+                               "the designs of the trial differ by less than the noise of \"{}\", "
+                               "which ranks none of them; the dearest way that a search may use is "
+                               "taken",
+                               name)
+                         : fmt::format(
+                               "none of the ways to render that a search may use ranks the designs "
+                               "as \"{}\" does; the dearest of them is taken",
+                               name);
+  }
+
+  /// Each score is reached by some step, but no step reaches all of them.
+  void tell_taken_bounds() {
+    for (const ScoreBound& bound : choice_.steps[choice_.step].bounds) {
+      if (bound.bound > bound.tolerance) {
+        choice_.unreached.push_back(
+            fmt::format("{}: \"{}\", which is taken, reaches {:.3g} in place of {:.3g}; no way to "
+                        "render reaches all scores at once",
+                        bound.score,
+                        task_.steps[choice_.step].name,
+                        bound.bound,
+                        bound.tolerance));
+      }
     }
   }
 
@@ -378,27 +418,6 @@ double bound_of(const ScoreBound& bound, const Scores& scores) {
   const auto found = scores.find(error_name(bound.score));
   const bool has_error = found != scores.end() && std::isfinite(found->second);
   return std::max(bound.bound, has_error ? bound.factor * found->second : 0.0);
-}
-
-std::vector<std::vector<double>> search_figures(const Goal& goal, std::span<const Scores> designs) {
-  std::vector<std::vector<double>> figures(objectives_of(goal).size());
-  for (const Scores& scores : designs) {
-    const std::vector<double> values = minimised_objectives(goal, scores);
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      figures[k].push_back(values[k]);
-    }
-  }
-  if (figures.size() == 1 && !designs.empty()) {
-    const auto [low, high] = std::ranges::minmax(figures.front());
-    const double scale = MeritFunction::kPenaltyFactor * (high - low);
-    for (std::size_t i = 0; i < designs.size(); ++i) {
-      for (const Constraint& constraint : goal.constraints) {
-        figures.front()[i] += scale * constraint.weight *
-                              std::log1p(violation(constraint, designs[i].at(constraint.name)));
-      }
-    }
-  }
-  return figures;
 }
 
 LadderChoice try_ladder(const LadderTask& task, const EvaluateStep& evaluate) {

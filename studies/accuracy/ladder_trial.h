@@ -87,6 +87,7 @@ struct LadderChoice {
   std::string problem;               ///< why nothing could be judged; empty: it could
   std::vector<std::size_t> designs;  ///< candidates that could be evaluated at the top
   std::size_t num_failed = 0;        ///< candidates that could not
+  std::size_t num_alike = 0;  ///< candidates that all steps render alike: they were not compared
   std::vector<StepReport> steps;
   std::vector<std::string> unreached;  ///< for each score the bound that is to be had
   double work = 0.0;                   ///< of all evaluations together
@@ -102,10 +103,5 @@ struct LadderChoice {
 /// more samples do not mend what is missing.
 /// @param evaluate  what it throws ends the trial
 LadderChoice try_ladder(const LadderTask& task, const EvaluateStep& evaluate);
-
-/// What a search minimises, for each objective and design: [objective][design]. Of one objective
-/// the limits count as in a search: three times the spread of the designs for each unit of
-/// log(1 + violation).
-std::vector<std::vector<double>> search_figures(const Goal& goal, std::span<const Scores> designs);
 
 }  // namespace glint

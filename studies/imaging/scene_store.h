@@ -34,7 +34,10 @@ class SceneStore {
 
   /// From now on defects that the camera does not see are left out of what is scored
   /// (TracedScene::unseen) instead of being an error.
-  void leave_out_unseen_defects() { may_be_unseen_ = true; }
+  void leave_out_unseen_defects() { may_be_unseen_ = MayBeUnseen::kDefects; }
+
+  /// Nor need it see enough of the part for a score: the pictures alone are wanted.
+  void leave_out_scores() { may_be_unseen_ = MayBeUnseen::kPart; }
 
   /// @throws ConfigError beginning with the key at fault, IoError
   std::shared_ptr<const TracedScene> trace(const SceneSettings& scene);
@@ -135,7 +138,7 @@ class SceneStore {
 
   ThreadPool& pool_;
   std::size_t max_bytes_ = 0;
-  bool may_be_unseen_ = false;
+  MayBeUnseen may_be_unseen_ = MayBeUnseen::kNothing;
   std::mutex digests_mutex_;
   std::map<std::string, std::string> digests_;  ///< of part files, by path
   Cache<std::string, BuiltPart> parts_;

@@ -178,13 +178,25 @@ std::vector<HeightFeature> seen_outlines(const SceneSettings& scene,
   return outlines;
 }
 
+/// The pixels that are scored; none where there are too few and nobody scores them.
+Mask region_of(const SceneSettings& scene, const TracedScene& traced, MayBeUnseen may_be_unseen) {
+  try {
+    return region_of_interest(traced.seen().coverage, traced.views, scene.metrics);
+  } catch (const ConfigError&) {
+    if (may_be_unseen != MayBeUnseen::kPart) {
+      throw;
+    }
+    return Mask(traced.part_mask.width(), traced.part_mask.height());
+  }
+}
+
 }  // namespace
 
 TracedScene trace_scene(const SceneSettings& scene,
                         std::shared_ptr<const BuiltDefects> part,
                         const CornerRays* defect_free,
                         ThreadPool& pool,
-                        bool may_be_unseen) {
+                        MayBeUnseen may_be_unseen) {
   TracedScene traced;
   traced.part = std::move(part);
   traced.camera_from_world = camera_from_world(scene.viewpoint());
@@ -194,11 +206,12 @@ TracedScene trace_scene(const SceneSettings& scene,
   trace_camera(scene, camera, defect_free, pool, traced);
   const VisibilityBuffer& seen = traced.seen();
   traced.part_mask = whole_pixels(seen.coverage);
-  const std::vector<HeightFeature> outlines =
-      may_be_unseen ? seen_outlines(scene, camera, traced) : traced.part->made.outlines;
+  const std::vector<HeightFeature> outlines = may_be_unseen == MayBeUnseen::kNothing
+                                                  ? traced.part->made.outlines
+                                                  : seen_outlines(scene, camera, traced);
   traced.views = view_defects(
       outlines, seen, camera, traced.camera_from_world, scene.metrics.ring_outer_radii);
-  traced.region = region_of_interest(seen.coverage, traced.views, scene.metrics);
+  traced.region = region_of(scene, traced, may_be_unseen);
   traced.defects = defect_pixels(traced.views, traced.part_mask, scene.metrics);
   traced.watched = Mask(seen.width_px, seen.height_px);
   for (const DefectPixels& defect : traced.defects) {

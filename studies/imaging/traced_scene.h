@@ -3,6 +3,7 @@
 // A scene made ready: part built, rays traced, defects seen by the camera, region of interest.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -49,15 +50,21 @@ struct TracedScene {
   const RayCounts& counts() const { return is_sampled() ? rays.counts : corners.counts; }
 };
 
+/// What a camera may fail to see without this being an error.
+enum class MayBeUnseen : std::uint8_t {
+  kNothing,
+  kDefects,  ///< left out of what is scored (TracedScene::unseen)
+  kPart,     ///< that too, and the region may be empty: somebody wants the picture, not its scores
+};
+
 /// Traces a scene anew, or only around its defects.
 /// @param defect_free     the camera's rays without defects; nullptr: not known
-/// @param may_be_unseen   defects out of sight are left out; else they are an error
 /// @throws ConfigError beginning with the key at fault
 TracedScene trace_scene(const SceneSettings& scene,
                         std::shared_ptr<const BuiltDefects> part,
                         const CornerRays* defect_free,
                         ThreadPool& pool,
-                        bool may_be_unseen = false);
+                        MayBeUnseen may_be_unseen = MayBeUnseen::kNothing);
 
 /// Whether its picture is made along TracedScene::rays: plain sampling and blurred reflections.
 bool keeps_rays(const SceneSettings& scene);

@@ -19,37 +19,38 @@ Sweep keyed(const char* name,
 }
 
 /// How far the scan goes in periods, with 24 positions.
-Sweep travel_over_period() {
+Sweep travel_over_period(const SweptScene& scene) {
   Sweep sweep{.name = "travel_over_period",
               .swept = "scan.positions * scan.step_mm / period_mm",
-              .title = "how many periods the scan travels, with 24 positions"};
+              .title = "how many periods the scan travels, with 24 positions",
+              .sets = {{"scan.positions", "24"}}};
   for (const double periods : {1.0, 2.0, 1.5, 1.25, 0.5, 0.1, 0.01}) {
     sweep.values.push_back(
-        {.value = periods, .sets = {{"scan.step_mm", number_text(periods * 16.0 / 24.0)}}});
+        {.value = periods,
+         .sets = {{"scan.step_mm", number_text(periods * scene.period_mm / 24.0)}}});
   }
   return sweep;
 }
 
-/// Pixels are 1.2 mm on the part.
-Sweep stripe_over_pixel() {
+Sweep stripe_over_pixel(const SweptScene& scene) {
   Sweep sweep{.name = "stripe_over_pixel",
               .swept = "lighting.tunnel.period_mm / camera.object_pixel_mm",
               .title = "stripes down to far below a pixel, at 24 positions"};
   for (const double ratio : {50.0, 13.0, 5.0, 2.0, 1.0, 0.5, 0.1667, 0.01}) {
     sweep.values.push_back(
         {.value = ratio,
-         .sets = {{"lighting.tunnel.period_mm", number_text(ratio * kObjectPixel_mm)}}});
+         .sets = {{"lighting.tunnel.period_mm", number_text(ratio * scene.pixel_mm)}}});
   }
   return sweep;
 }
 
 /// The stripes' picture is far smaller than the stripes, by the curved mirror.
-Sweep blur_over_stripe() {
+Sweep blur_over_stripe(const SweptScene& scene) {
   Sweep sweep{.name = "blur_over_stripe",
               .swept = "sensor.blur_px * camera.object_pixel_mm / lighting.tunnel.period_mm",
               .title = "blur from none to wider than the picture"};
   for (const double blur_px : {1.0, 0.0, 0.3, 0.5, 0.7, 3.0, 10.0, 30.0, 100.0}) {
-    sweep.values.push_back({.value = blur_px * kObjectPixel_mm / 16.0,
+    sweep.values.push_back({.value = blur_px * scene.pixel_mm / scene.period_mm,
                             .sets = {{"sensor.blur_px", number_text(blur_px)}}});
   }
   return sweep;
@@ -64,6 +65,7 @@ Sweep wall_over_part() {
   Sweep sweep{.name = "wall_over_part",
               .swept = "lighting.tunnel.radius_mm / reach of the part",
               .title = "a tunnel that comes down on the part",
+              .has_own_sizes = true,
               .sets = quiet_wall()};
   for (const double radius_mm : {200.0, 50.0, 30.0, 24.0, 22.6, 22.45, 22.0}) {
     sweep.values.push_back({.value = radius_mm / 22.4,
@@ -74,23 +76,25 @@ Sweep wall_over_part() {
 
 }  // namespace
 
-std::vector<Sweep> light_sweeps() {
+std::vector<Sweep> light_sweeps(const SweptScene& scene) {
+  Sweep slot = keyed("slot",
+                     "lighting.tunnel.slot_mm",
+                     "the camera's slot towards nothing",
+                     {60, 32, 20, 10, 3, 1, 0.1, 0.0});
+  slot.has_own_sizes = true;
   return {
       keyed("positions_over_period",
             "scan.positions",
             "pictures in one period of the stripes",
             {48, 24, 12, 8, 5, 4, 3, 2, 1}),
-      travel_over_period(),
-      stripe_over_pixel(),
-      blur_over_stripe(),
+      travel_over_period(scene),
+      stripe_over_pixel(scene),
+      blur_over_stripe(scene),
       keyed("duty",
             "lighting.tunnel.duty",
             "bright share of a period",
             {0.5, 0.25, 0.1, 0.01, 0.001, 0.0}),
-      keyed("slot",
-            "lighting.tunnel.slot_mm",
-            "the camera's slot towards nothing",
-            {60, 32, 20, 10, 3, 1, 0.1, 0.0}),
+      slot,
       wall_over_part(),
       keyed("gain",
             "sensor.gain",

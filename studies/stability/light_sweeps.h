@@ -8,6 +8,6 @@
 namespace glint::stability {
 
 /// Sweeps of sensor, stripes, scan and tunnel.
-std::vector<Sweep> light_sweeps();
+std::vector<Sweep> light_sweeps(const SweptScene& scene);
 
 }  // namespace glint::stability

@@ -4,6 +4,8 @@
 #include "studies/stability/part_sweeps.h"
 
 #include <cmath>
+#include <set>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -11,6 +13,8 @@
 
 namespace glint::stability {
 namespace {
+
+const double kBuiltinPixel_mm = SweptScene().pixel_mm;
 
 constexpr double kDentSlope = 12.13e-3;  ///< 40 um deep, 8 mm wide: h / (sigma sqrt(e))
 
@@ -26,7 +30,7 @@ Sweep dent_over_pixel() {
               .swept = "defects.dent.diameter_mm / camera.object_pixel_mm",
               .title = "dents of the same slope, down to below a pixel"};
   for (const double ratio : {13.3, 6.67, 4.0, 2.0, 1.0, 0.5, 0.1}) {
-    const double diameter_mm = ratio * kObjectPixel_mm;
+    const double diameter_mm = ratio * kBuiltinPixel_mm;
     sweep.values.push_back(
         {.value = ratio,
          .sets = {{"defects.dent.diameter_mm", number_text(diameter_mm)},
@@ -126,10 +130,14 @@ Sweep part_size() {
 }
 
 Sweep coordinates() {
-  Sweep sweep{.name = "coordinates",
-              .swept = "part.position_mm",
-              .title = "part and camera far from the origin, along the tunnel",
-              .sets = {{"lighting.tunnel.length_mm", "100000"}, {"defects", "{}"}}};
+  Sweep sweep{
+      .name = "coordinates",
+      .swept = "part.position_mm",
+      .title =
+          "part and camera far from the origin, along the tunnel, under stripes that "
+          "stand still",
+      .sets = {
+          {"lighting.tunnel.length_mm", "100000"}, {"scan.positions", "1"}, {"defects", "{}"}}};
   for (const double x_mm : {0.0, 10.0, 1e3, 1e4, 4e4, 1e5, 1e6}) {
     sweep.values.push_back(
         {.value = x_mm,
@@ -218,36 +226,42 @@ Sweep switches() {
 }  // namespace
 
 std::vector<Sweep> part_sweeps() {
-  return {dent_over_pixel(),
-          facet_over_dent(),
-          dent_slope("dent_slope_normal", "normal"),
-          dent_slope("dent_slope_auto", "auto"),
-          view_angle(),
-          part_size(),
-          coordinates(),
-          roughness(),
-          depth_of_field(),
-          by_paths("samples",
-                   "render.paths.samples",
-                   "paths of a pixel, down to one",
-                   key_values("render.paths.samples", {256, 64, 16, 4, 1}, "paths")),
-          bar_over_plate(),
-          winner("winner_seed",
-                 "sensor.seed",
-                 "the better of two designs with other noise",
-                 {1, 2, 3, 4, 5},
-                 {{"sensor.full_well_e", "20000"}, {"sensor.bits", "8"}}),
-          winner("winner_blur",
-                 "sensor.blur_px",
-                 "the better of two designs with more blur",
-                 {1.0, 1.1, 1.2, 1.5},
-                 {}),
-          winner("winner_facets",
-                 "part.facets_um",
-                 "the better of two designs on triangles",
-                 {0.0, 0.5, 0.6, 2},
-                 {}),
-          switches()};
+  std::vector<Sweep> sweeps = {
+      dent_over_pixel(),
+      facet_over_dent(),
+      dent_slope("dent_slope_normal", "normal"),
+      dent_slope("dent_slope_auto", "auto"),
+      view_angle(),
+      part_size(),
+      coordinates(),
+      roughness(),
+      depth_of_field(),
+      by_paths("samples",
+               "render.paths.samples",
+               "paths of a pixel, down to one",
+               key_values("render.paths.samples", {256, 64, 16, 4, 1}, "paths")),
+      bar_over_plate(),
+      winner("winner_seed",
+             "sensor.seed",
+             "the better of two designs with other noise",
+             {1, 2, 3, 4, 5},
+             {{"sensor.full_well_e", "20000"}, {"sensor.bits", "8"}}),
+      winner("winner_blur",
+             "sensor.blur_px",
+             "the better of two designs with more blur",
+             {1.0, 1.1, 1.2, 1.5},
+             {}),
+      winner("winner_facets",
+             "part.facets_um",
+             "the better of two designs on triangles",
+             {0.0, 0.5, 0.6, 2},
+             {}),
+      switches()};
+  const std::set<std::string> of_any_size = {"roughness", "samples", "switches"};
+  for (Sweep& sweep : sweeps) {
+    sweep.has_own_sizes = !of_any_size.contains(sweep.name);
+  }
+  return sweeps;
 }
 
 }  // namespace glint::stability

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/stability/stability.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -17,6 +18,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// The reference's surface reflects everything. @throws ConfigError
+void check_mirror(const MaterialSettings& material) {
+  const bool has_colour = !material.colour_srgb.empty();
+  const bool reflects_all =
+      std::ranges::all_of(has_colour ? material.colour_srgb : material.reflectance,
+                          [&](double value) { return value >= (has_colour ? 255.0 : 1.0); });
+  if (material.type != MaterialSettings::Type::kMirror || !material.nk_file.empty() ||
+      material.coat.index != 1.0 || !reflects_all) {
+    throw ConfigError("material", "is not a mirror that reflects everything, as the reference is");
+  }
+}
+
 /// The given scene without noise, in at most kMostPixels.
 ConfigNode quiet_scene(const ConfigNode& given) {
   std::vector<Problem> problems;
@@ -26,11 +39,8 @@ ConfigNode quiet_scene(const ConfigNode& given) {
   }
   scene.sensor.full_well_e = scene.sensor.read_noise_e = scene.sensor.dark_e = 0.0;
   scene.sensor.bits = 0;
-  const double pixels = static_cast<double>(scene.camera.width_px) * scene.camera.height_px;
-  const double factor = std::max(1.0, std::sqrt(pixels / kMostPixels));
-  scene.camera.width_px = static_cast<int>(scene.camera.width_px / factor);
-  scene.camera.height_px = static_cast<int>(scene.camera.height_px / factor);
-  scene.camera.object_pixel_mm *= factor;
+  reduce_camera(scene.camera);
+  check_mirror(scene.material);
   reference_scene(scene);  // refuses what it does not model
   return write_scene(scene);
 }

@@ -24,8 +24,6 @@ struct StabilityOptions {
   std::function<bool(int done, const std::string& next)> on_progress = {};
 };
 
-inline constexpr int kMostPixels = 8000;
-
 struct SweepResult {
   Sweep sweep;
   std::vector<Cell> cells;  ///< fewer than the sweep's values when it was stopped

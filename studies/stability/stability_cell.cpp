@@ -234,16 +234,19 @@ std::vector<CellError> errors_of_bar(const Outcome& outcome, const Bounds& bound
 }
 
 void judge(const Outcome& outcome, const Outcome* harmless, Cell& cell) {
-  const CellError* worst = worst_of(cell);
-  if (worst == nullptr || worst->error - worst->uncertainty <= worst->bound) {
-    cell.verdict = Verdict::kRight;
-    return;
+  const std::string notes = told_beside(outcome, harmless);
+  cell.verdict = Verdict::kRight;
+  cell.message.clear();
+  for (const CellError& error : cell.errors) {
+    if (error.error - error.uncertainty <= error.bound) {
+      continue;
+    }
+    cell.message = notes.empty() ? standard_error_told(outcome, error) : notes;
+    cell.verdict = cell.message.empty() ? Verdict::kWrong : Verdict::kTold;
+    if (cell.verdict == Verdict::kWrong) {
+      return;
+    }
   }
-  cell.message = told_beside(outcome, harmless);
-  if (cell.message.empty()) {
-    cell.message = standard_error_told(outcome, *worst);
-  }
-  cell.verdict = cell.message.empty() ? Verdict::kWrong : Verdict::kTold;
 }
 
 }  // namespace glint::stability

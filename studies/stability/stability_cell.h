@@ -75,7 +75,8 @@ std::vector<CellError> errors_of_tunnel(const Outcome& outcome, const Bounds& bo
 /// A matt plate below a bar against Lambert's formula.
 std::vector<CellError> errors_of_bar(const Outcome& outcome, const Bounds& bounds);
 
-/// The verdict on errors, and what is said about them.
+/// The verdict on the errors, each by itself: wrong where one of them is beyond its bound for
+/// certain and nothing is said of it.
 void judge(const Outcome& outcome, const Outcome* harmless, Cell& cell);
 
 }  // namespace glint::stability

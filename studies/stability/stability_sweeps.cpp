@@ -2,6 +2,7 @@
 #include "studies/stability/stability_sweeps.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,25 @@
 #include "studies/stability/part_sweeps.h"
 
 namespace glint::stability {
+namespace {
+
+/// Puts the tunnel's own name into the keys that are set.
+void name_tunnel(const std::string& name, Sweep& sweep) {
+  const std::string builtin = "lighting.tunnel.";
+  const auto rename = [&](std::vector<KeyValue>& sets) {
+    for (KeyValue& set : sets) {
+      if (set.path.starts_with(builtin)) {
+        set.path = "lighting." + name + "." + set.path.substr(builtin.size());
+      }
+    }
+  };
+  rename(sweep.sets);
+  for (SweepValue& value : sweep.values) {
+    rename(value.sets);
+  }
+}
+
+}  // namespace
 
 std::string_view base_scene_text() {
   return R"(schema = 1
@@ -90,21 +110,46 @@ std::vector<SweepValue> key_values(const std::string& key,
   return cells;
 }
 
-std::vector<Sweep> all_sweeps() {
-  std::vector<Sweep> all = light_sweeps();
+void reduce_camera(CameraSettings& camera) {
+  const double pixels = static_cast<double>(camera.width_px) * camera.height_px;
+  const double factor = std::max(1.0, std::sqrt(pixels / kMostPixels));
+  camera.width_px = static_cast<int>(camera.width_px / factor);
+  camera.height_px = static_cast<int>(camera.height_px / factor);
+  camera.object_pixel_mm *= factor;
+}
+
+SweptScene swept_scene(SceneSettings scene) {
+  reduce_camera(scene.camera);
+  return {.is_builtin = false,
+          .pixel_mm = scene.camera.object_pixel_mm,
+          .period_mm = scene.tunnel.period_mm,
+          .tunnel = scene.tunnel_name};
+}
+
+std::vector<Sweep> all_sweeps(const SweptScene& scene) {
+  std::vector<Sweep> all = light_sweeps(scene);
   std::ranges::move(part_sweeps(), std::back_inserter(all));
+  if (!scene.is_builtin) {
+    std::erase_if(all, &Sweep::has_own_sizes);
+    for (Sweep& sweep : all) {
+      name_tunnel(scene.tunnel, sweep);
+    }
+  }
   return all;
 }
 
-std::vector<Sweep> chosen_sweeps(const std::vector<std::string>& names) {
-  std::vector<Sweep> all = all_sweeps();
+std::vector<Sweep> chosen_sweeps(const std::vector<std::string>& names, const SweptScene& scene) {
+  std::vector<Sweep> all = all_sweeps(scene);
   for (const std::string& name : names) {
     if (std::ranges::find(all, name, &Sweep::name) == all.end()) {
       std::string known;
       for (const Sweep& sweep : all) {
         known += (known.empty() ? "" : ", ") + sweep.name;
       }
-      throw ConfigError("--sweep", fmt::format("is \"{}\", allowed: {}", name, known));
+      throw ConfigError(
+          "--sweep",
+          fmt::format(
+              "is \"{}\", allowed{}: {}", name, scene.is_builtin ? "" : " beside a STUDY", known));
     }
   }
   if (!names.empty()) {

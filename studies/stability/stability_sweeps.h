@@ -13,8 +13,21 @@
 
 namespace glint::stability {
 
-/// Between neighbouring pixels on the strip of base_scene_text().
-inline constexpr double kObjectPixel_mm = 1.2;
+inline constexpr int kMostPixels = 8000;
+
+/// What sweeps of ratios are relative to: of base_scene_text(), or of a scene in its place.
+struct SweptScene {
+  bool is_builtin = true;
+  double pixel_mm = 1.2;  ///< between neighbouring pixels on the part
+  double period_mm = 16.0;
+  std::string tunnel = "tunnel";  ///< its table below [lighting]
+};
+
+/// Fewer and larger pixels where there are more than kMostPixels.
+void reduce_camera(CameraSettings& camera);
+
+/// Of a scene whose camera is reduced.
+SweptScene swept_scene(SceneSettings scene);
 
 /// The scene that all sweeps but those of the pair start from, as a study file: a mirror strip of
 /// 190 x 44 mm under a semicylinder, 163 x 38 pixels, two dents, no noise.
@@ -41,12 +54,13 @@ struct Sweep {
   std::string swept;  ///< the key or ratio
   std::string title;  ///< what is swept, for people
   Kind kind = Kind::kTunnel;
+  bool has_own_sizes = false;       ///< in mm, of the built-in scene: means nothing in another one
   std::vector<KeyValue> sets = {};  ///< over the base scene
   std::vector<SweepValue> values = {};
 };
 
-/// All of them, in the order they are told.
-std::vector<Sweep> all_sweeps();
+/// All that a scene can be swept by, in the order they are told.
+std::vector<Sweep> all_sweeps(const SweptScene& scene = {});
 
 /// "0.5", "1e+06": a number as a study file takes it.
 std::string number_text(double value);
@@ -58,7 +72,8 @@ std::vector<SweepValue> key_values(const std::string& key,
 
 /// The named sweeps in the order of all_sweeps(); all of them for none.
 /// @throws ConfigError for an unknown name, with the known ones
-std::vector<Sweep> chosen_sweeps(const std::vector<std::string>& names);
+std::vector<Sweep> chosen_sweeps(const std::vector<std::string>& names,
+                                 const SweptScene& scene = {});
 
 /// The scene of a cell as a tree of tables. @throws ConfigError
 ConfigNode scene_tables_of(const ConfigNode& base, const Sweep& sweep, const SweepValue& value);

@@ -8,6 +8,7 @@
 
 #include "core/rng.h"
 #include "core/text.h"
+#include "simulator/render/ray_cache/unseen_part.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/imaging/path_lights.h"
 #include "studies/imaging/scene_picture.h"
@@ -97,6 +98,7 @@ RigidTransform scene_from_camera(const Truth& truth, const TwinCellState& state)
 
 CellRenderer::CellRenderer(const Truth& truth, ThreadPool& pool)
     : truth_(truth), pool_(pool), store_(pool, kStoreBytes) {
+  store_.leave_out_scores();
   const PinholeIntrinsics intrinsics = intrinsics_of(truth.scene);
   width_px_ = intrinsics.width_px;
   height_px_ = intrinsics.height_px;
@@ -125,25 +127,34 @@ SceneSettings CellRenderer::scene_of(const TwinCellState& state,
 std::vector<Image<std::uint16_t>> CellRenderer::render_all(const TwinCellState& state,
                                                            const CaptureSettings& settings) {
   const SceneSettings scene = scene_of(state, settings);
-  std::vector<Image<std::uint16_t>> pictures;
-  const auto add = [&](std::size_t index, const ImageF& grey) {
-    pictures.resize(std::max(pictures.size(), index + 1));
-    pictures[index] = codes_of(grey, settings);
-  };
   // What no light shines on is not rendered: an arm on its way is to wait for nothing.
   if (is_lit(scene) && !state.is_dark()) {
-    const auto seen = picture_of(store_, scene, {.has_flawless = false});
-    seen->mean({.watch = [&](int index,
-                             const ImageF& grey) { add(static_cast<std::size_t>(index), grey); },
-                .has_whole_frames = true});
-    return pictures;
+    try {
+      return render_lit(scene, settings);
+    } catch (const UnseenPart&) {  // dark as well: there is nothing else in the truth
+    }
   }
+  std::vector<Image<std::uint16_t>> pictures;
   const Sensor sensor(scene.sensor, width_px_, height_px_);
   for (int i = 0; i < num_positions(); ++i) {
     ImageF dark;
     sensor.expose(ImageF(width_px_, height_px_), i, dark);
-    add(static_cast<std::size_t>(i), dark);
+    pictures.push_back(codes_of(dark, settings));
   }
+  return pictures;
+}
+
+std::vector<Image<std::uint16_t>> CellRenderer::render_lit(const SceneSettings& scene,
+                                                           const CaptureSettings& settings) {
+  std::vector<Image<std::uint16_t>> pictures;
+  const auto seen = picture_of(store_, scene, {.has_flawless = false});
+  seen->mean({.watch =
+                  [&](int index, const ImageF& grey) {
+                    const auto place = static_cast<std::size_t>(index);
+                    pictures.resize(std::max(pictures.size(), place + 1));
+                    pictures[place] = codes_of(grey, settings);
+                  },
+              .has_whole_frames = true});
   return pictures;
 }
 

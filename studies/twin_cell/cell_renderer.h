@@ -51,9 +51,9 @@ class CellRenderer {
 
   int height_px() const { return height_px_; }
 
-  /// Codes as a camera with these settings has them: the scene's radiance times the exposure over
-  /// that of the truth, noise of the scene's sensor seeded by pose and lights, gain, black level.
-  /// The same bytes for the same arguments.
+  /// Codes as a camera with these settings has them, of darkness where it does not see the part:
+  /// the scene's radiance times the exposure over that of the truth, noise of the scene's sensor
+  /// seeded by pose and lights, gain, black level. The same bytes for the same arguments.
   /// @throws ConfigError beginning with the key at fault, IoError
   Image<std::uint16_t> render(const TwinCellState& state, const CaptureSettings& settings);
 
@@ -70,6 +70,8 @@ class CellRenderer {
 
  private:
   SceneSettings scene_of(const TwinCellState& state, const CaptureSettings& settings) const;
+  std::vector<Image<std::uint16_t>> render_lit(const SceneSettings& scene,
+                                               const CaptureSettings& settings);
 
   Truth truth_;
   ThreadPool& pool_;

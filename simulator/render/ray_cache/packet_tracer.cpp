@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "core/error.h"
+#include "simulator/render/ray_cache/unseen_part.h"
 
 namespace glint {
 namespace {
@@ -372,9 +373,7 @@ void check_ray_memory(double num_rays, const std::string& what) {
 
 void check_part_is_seen(const RayCounts& counts) {
   if (counts.part == 0) {
-    throw ConfigError("camera",
-                      "the part is outside the image: no camera ray hits it; check viewpoint, "
-                      "working_distance_mm and part.position_mm");
+    throw UnseenPart();
   }
 }
 

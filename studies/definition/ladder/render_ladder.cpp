@@ -220,14 +220,25 @@ class RungList {
     }
   }
 
+  static constexpr int kFewestSamples = 8;
+
+  /// So that a step of at most half of the most is there: it tells how far the most are off.
+  static int fewest_samples(int most) {
+    int fewest = kFewestSamples;
+    while (fewest > 1 && 2 * fewest > most) {
+      fewest /= 2;
+    }
+    return fewest;
+  }
+
   void add_paths() {
-    constexpr int kFewestSamples = 8;
     const int most = kept_.samples ? scene_.paths.samples : top_.paths.samples;
+    const int fewest = kept_.samples ? std::min(kFewestSamples, most) : fewest_samples(most);
     const std::vector<int> reflections = steps_to(1, scene_.paths.max_reflections);
     for (const int number : reflections) {
       SceneSettings scene = scene_;
       scene.paths.max_reflections = number;
-      for (const int samples : steps_to(std::min(kFewestSamples, most), most)) {
+      for (const int samples : steps_to(fewest, most)) {
         scene.paths.samples = samples;
         add(scene, number);
       }
@@ -288,14 +299,18 @@ void check_ladder(const Study& study, const std::vector<RenderRung>& ladder) {
     return;
   }
   const ConfigNode& table = *study.root.find("accuracy");
+  const std::vector<std::string> kept = names_of(kept_keys(study.root));
+  const std::string why =
+      kept.empty() ? "the scene has no other; remove [accuracy]"
+                   : fmt::format(
+                         "as these keys are set by hand: {}; remove them or [accuracy], or "
+                         "free them by accuracy.keep = []",
+                         fmt::join(kept, ", "));
   throw ConfigError(Problem{
       .kind = Problem::Kind::kRelation,
       .place = table.place,
       .key = "accuracy",
-      .text = fmt::format("leaves one way to render, \"{}\", as these keys are set by hand: {}; "
-                          "remove them or [accuracy], or free them by accuracy.keep = []",
-                          ladder.front().name,
-                          fmt::join(names_of(kept_keys(study.root)), ", "))});
+      .text = fmt::format("leaves one way to render, \"{}\", {}", ladder.front().name, why)});
 }
 
 SceneSettings at_rung(SceneSettings scene, const RenderRung& rung) {
@@ -314,6 +329,12 @@ SceneSettings at_rung(SceneSettings scene, const RenderRung& rung) {
     scene.render.max_direction_error_rad = rung.render.max_direction_error_rad;
   }
   return scene;
+}
+
+bool is_rendered_alike(const SceneSettings& scene, std::span<const RenderRung> ladder) {
+  const std::string first = rung_name(at_rung(scene, ladder.front()));
+  return std::ranges::all_of(
+      ladder, [&](const RenderRung& rung) { return rung_name(at_rung(scene, rung)) == first; });
 }
 
 double fineness_of(const RenderRung& rung) {

@@ -57,6 +57,9 @@ void check_ladder(const Study& study, const std::vector<RenderRung>& ladder);
 /// scene has.
 SceneSettings at_rung(SceneSettings scene, const RenderRung& rung);
 
+/// Whether all rungs render the scene in the same way, as those of paths do with a mirror.
+bool is_rendered_alike(const SceneSettings& scene, std::span<const RenderRung> ladder);
+
 /// How fine a rung is beside others of its group: samples or rays a pixel, or the inverse square of
 /// the direction error in rad.
 double fineness_of(const RenderRung& rung);

@@ -10,6 +10,8 @@
 
 #include "core/units.h"
 #include "simulator/light/tunnel/tunnel.h"
+#include "simulator/material/fresnel.h"
+#include "simulator/material/nk_table.h"
 #include "studies/definition/render_methods.h"
 
 namespace glint {
@@ -25,7 +27,28 @@ double length_of(const std::vector<std::vector<Eigen::Vector2d>>& lines) {
   return length_mm;
 }
 
+/// Of metal with a table of n and k; none for other materials.
+std::vector<std::complex<double>> indices_of(const SceneSettings& scene) {
+  std::vector<std::complex<double>> indices;
+  if (!scene.material.nk_file.empty()) {
+    const NkTable table = read_nk(scene.material.nk_file);
+    for (const double wavelength_nm : scene.sensor.wavelengths_nm) {
+      const RefractiveIndex index = table.at(wavelength_nm);
+      indices.emplace_back(index.n, -index.k);
+    }
+  }
+  return indices;
+}
+
 double mean_reflectance(const SceneSettings& scene) {
+  const std::vector<std::complex<double>> indices = indices_of(scene);
+  if (!indices.empty()) {
+    double sum = 0.0;
+    for (const std::complex<double>& index : indices) {
+      sum += normal_reflectance(index.real(), -index.imag());
+    }
+    return sum / static_cast<double>(indices.size());
+  }
   const std::vector<double>& colour = scene.material.colour_srgb;
   if (!colour.empty()) {  // near enough for an estimate: a display's gamma of 2.2
     double sum = 0.0;
@@ -64,6 +87,25 @@ std::string wall_note(const SceneSettings& scene, const Eigen::Vector3d& size_mm
       wall_mm2 / 100.0);
 }
 
+double polarisation(const std::complex<double>& index, double angle_rad) {
+  const double cosine = std::cos(angle_rad);
+  const std::complex<double> sine = std::sin(angle_rad) / index;
+  const std::complex<double> inside = std::sqrt(1.0 - sine * sine);
+  const double s = std::norm((cosine - index * inside) / (cosine + index * inside));
+  const double p = std::norm((index * cosine - inside) / (index * cosine + inside));
+  return s + p > 0.0 ? (s - p) / (s + p) : 0.0;
+}
+
+/// The largest over the wavelengths.
+double metal_polarisation_of(const SceneSettings& scene, double angle_rad) {
+  double most = 0.0;
+  const std::vector<std::complex<double>> indices = indices_of(scene);
+  for (const std::complex<double>& index : indices) {
+    most = std::max(most, std::abs(polarisation(index, angle_rad)));
+  }
+  return indices.empty() ? metal_polarisation(mean_reflectance(scene), angle_rad) : most;
+}
+
 std::string polarisation_note(const SceneSettings& scene) {
   constexpr double kAngle_rad = kPi / 3.0;
   const char* what = "Polarisation is not modelled";
@@ -72,19 +114,48 @@ std::string polarisation_note(const SceneSettings& scene) {
     return fmt::format("{}: no error, as light is reflected once before it reaches the camera.",
                        what);
   }
-  if (scene.material.type == MaterialSettings::Type::kDiffuse) {
+  const bool has_coat = scene.material.coat.index > 1.0;
+  if (scene.material.type == MaterialSettings::Type::kDiffuse && !has_coat) {
     return fmt::format("{}: no error, as a diffuse surface does not polarise.", what);
   }
-  const double degree = metal_polarisation(mean_reflectance(scene), kAngle_rad);
+  const double degree = has_coat ? std::abs(polarisation(scene.material.coat.index, kAngle_rad))
+                                 : metal_polarisation_of(scene, kAngle_rad);
   if (degree == 0.0) {
-    return fmt::format("{}: no error, as a surface that reflects everything does not polarise.",
-                       what);
+    return fmt::format(
+        "{}: no error for a surface that reflects everything, as this one is told to "
+        "do. How a real metal polarises is known by its material.nk_file or "
+        "reflectance alone.",
+        what);
   }
   return fmt::format(
-      "{}: light that is reflected twice by this metal, at 60 degrees, is wrong by up to {:.1g} %; "
+      "{}: light that is reflected twice by this {}, at 60 degrees, is wrong by up to {:.1g} %; "
       "what is reflected once is right.",
       what,
+      has_coat ? "coat" : "metal",
       100.0 * degree * degree);
+}
+
+/// By its shape: of a mesh nothing else is known.
+bool may_see_itself(const SceneSettings& scene) {
+  const PartSettings::Shape shape = scene.part.shape;
+  return shape == PartSettings::Shape::kSpurGear || shape == PartSettings::Shape::kMesh;
+}
+
+/// What no path is long enough for. Of what is reflected, about a half meets such a part again: a
+/// geometric series.
+std::string reflections_note(const SceneSettings& scene) {
+  constexpr double kReturn = 0.5;
+  if (!may_see_itself(scene)) {
+    return "Reflections from part to part: none, its shape does not see itself.";
+  }
+  const int most = is_blurred(scene) || is_direct(scene) ? 1
+                   : needs_paths(scene)                  ? scene.paths.max_reflections
+                                                         : scene.render.max_bounces;
+  return fmt::format(
+      "Light that the part reflects more than {} is not modelled: about {:.1g} % of its light, if "
+      "half of what it reflects meets it again.",
+      most == 1 ? std::string("once") : fmt::format("{} times", most),
+      100.0 * std::pow(kReturn * mean_reflectance(scene), most));
 }
 
 /// Narrowest of a group's defects.
@@ -118,18 +189,15 @@ double metal_polarisation(double reflectance, double angle_rad) {
   }
   // At normal incidence with n = 1: R = k^2 / (4 + k^2).
   const double k = 2.0 * std::sqrt(reflectance / (1.0 - reflectance));
-  const std::complex<double> index(1.0, -k);
-  const double cosine = std::cos(angle_rad);
-  const std::complex<double> sine = std::sin(angle_rad) / index;
-  const std::complex<double> inside = std::sqrt(1.0 - sine * sine);
-  const double s = std::norm((cosine - index * inside) / (cosine + index * inside));
-  const double p = std::norm((index * cosine - inside) / (index * cosine + inside));
-  return s + p > 0.0 ? (s - p) / (s + p) : 0.0;
+  return polarisation({1.0, -k}, angle_rad);
 }
 
 std::vector<std::string> unmodelled_notes(const SceneSettings& scene,
                                           const Eigen::Vector3d& size_mm) {
-  return {wall_note(scene, size_mm), polarisation_note(scene), wave_note(scene)};
+  return {wall_note(scene, size_mm),
+          polarisation_note(scene),
+          wave_note(scene),
+          reflections_note(scene)};
 }
 
 }  // namespace glint

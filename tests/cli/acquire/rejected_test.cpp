@@ -22,9 +22,11 @@ namespace fs = std::filesystem;
 
 class ScenePictures : public testing::Test {
  protected:
-  /// The gallery's part under its ring. @param limit  a key of [acquisition]
-  json acquired(const std::string& limit) {
-    const std::string truth = small_truth();
+  /// The gallery's part under its ring.
+  /// @param limit  a key of [acquisition]
+  /// @param place  where the part really lies [mm]
+  json acquired(const std::string& limit, const std::string& place = "280, -120, 20") {
+    const std::string truth = edited(small_truth(), {{"280, -120, 20", place}});
     const std::size_t bar = truth.find("[lighting.bar]");
     const std::size_t render = truth.find("[render.paths]");
     const std::string scene =
@@ -47,6 +49,22 @@ class ScenePictures : public testing::Test {
     return json::parse(read_file(folder_ / "out/acquired.json"));
   }
 
+  /// The picture and its retake lie apart.
+  void expect_rejected(const json& told, const std::string& reason) {
+    EXPECT_EQ(told["status"], "partial");
+    EXPECT_EQ(told["counts"]["accepted"], 0);
+    EXPECT_EQ(told["counts"]["rejected_now"], 2) << "one and a retake";
+    ASSERT_EQ(told["pictures"].size(), 2U);
+    for (const json& picture : told["pictures"]) {
+      EXPECT_EQ(picture["accepted"], false);
+      EXPECT_THAT(picture["reason"].get<std::string>(), HasSubstr(reason));
+      const std::string file = picture["file"].get<std::string>();
+      EXPECT_TRUE(file.starts_with("rejected/")) << file;
+      EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << file;
+    }
+    EXPECT_EQ(read_file(folder_ / "out/poses.csv").find("rejected"), std::string::npos);
+  }
+
   TemporaryFolder folder_;
 };
 
@@ -59,19 +77,16 @@ TEST_F(ScenePictures, AreAllKeptWhereThePartIsInItsPlace) {
 }
 
 TEST_F(ScenePictures, ThatAreTooDarkLieApartWithTheReason) {
-  const json told = acquired("min_bright = 0.999");
-  EXPECT_EQ(told["status"], "partial");
-  EXPECT_EQ(told["counts"]["accepted"], 0);
-  EXPECT_EQ(told["counts"]["rejected_now"], 2) << "one and a retake";
-  ASSERT_EQ(told["pictures"].size(), 2U);
-  for (const json& picture : told["pictures"]) {
-    EXPECT_EQ(picture["accepted"], false);
-    EXPECT_THAT(picture["reason"].get<std::string>(), HasSubstr("too dark"));
-    const std::string file = picture["file"].get<std::string>();
-    EXPECT_TRUE(file.starts_with("rejected/")) << file;
-    EXPECT_TRUE(fs::exists(folder_ / "out" / file)) << file;
-  }
-  EXPECT_EQ(read_file(folder_ / "out/poses.csv").find("rejected"), std::string::npos);
+  expect_rejected(acquired("min_bright = 0.999"), "too dark");
+}
+
+// A hand's breadth from its place the camera sees an edge of it, two hands further nothing.
+TEST_F(ScenePictures, OfAPartThatLiesElsewhereAreRejected) {
+  expect_rejected(acquired("min_bright = 0", "280, -80, 20"), "the part is not in view");
+}
+
+TEST_F(ScenePictures, OfNoPartAreRejected) {
+  expect_rejected(acquired("", "280, 180, 20"), "too dark");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
+#include "studies/accuracy/search_figures.h"
 
 namespace glint {
 namespace {
@@ -142,6 +143,36 @@ TEST(TryLadder, CountsWhatTheTopLosesByNoise) {
   EXPECT_NEAR(bound.top_bias, -0.4 / 8.0, 1e-12);
   EXPECT_NEAR(bound.top_spread, 0.0, 1e-12);
   EXPECT_NEAR(bound.bound, 0.4 / std::sqrt(8.0), 1e-12) << "all that is missing";
+}
+
+/// Samples from 8 to 64, whose noise falls as their root.
+FakeLadder noisy_ladder(std::initializer_list<int> samples) {
+  FakeLadder ladder;
+  ladder.task.goal.objective = {.name = kScore, .is_maximised = true};
+  ladder.task.wish.wishes = {{.score = kScore, .tolerance = 5.0}};
+  for (const int number : samples) {
+    ladder.add(std::to_string(number), number, 0, [number](std::size_t) {
+      return -0.4 / std::sqrt(number);
+    });
+    ladder.task.steps.back().fineness = number;
+    ladder.task.steps.back().is_noisy = true;
+  }
+  return ladder;
+}
+
+// By 32 samples it would be the same: what the top loses falls as the root.
+TEST(TryLadder, TakesACoarserStepThanTheOneThatCannotRender) {
+  FakeLadder ladder = noisy_ladder({8, 16, 32, 64});
+  ladder.failing_step = 2;
+  EXPECT_NEAR(ladder.choose().steps[3].bounds[0].top_bias, -0.4 / 8.0, 1e-12);
+}
+
+TEST(TryLadder, TellsNoBoundWhereNothingTellsHowFarTheTopIsOff) {
+  for (FakeLadder ladder : {noisy_ladder({40, 64}), noisy_ladder({64})}) {
+    const LadderChoice choice = ladder.choose();
+    EXPECT_FALSE(choice.is_reached);
+    EXPECT_THAT(choice.problem, HasSubstr("\"64\" itself is off cannot be told"));
+  }
 }
 
 // What it loses differs from design to design.
@@ -290,6 +321,41 @@ TEST(TryLadder, NeverSearchesWithAStepThatIsOnlyComparedWith) {
   EXPECT_EQ(choice.step, 1U);
   EXPECT_FALSE(choice.is_reached);
   EXPECT_THAT(choice.unreached[0], HasSubstr("\"16\" reaches"));
+}
+
+TEST(TryLadder, SaysThatTheTopItselfRanksNothing) {
+  FakeLadder ladder = ladder_of_three(0.0);
+  ladder.task.steps.back().is_for_search = false;
+  ladder.top_error = 100.0;
+  const LadderChoice choice = ladder.choose();
+  EXPECT_FALSE(choice.is_reached);
+  EXPECT_THAT(choice.unreached, ElementsAre(HasSubstr("\"top\", which ranks none of them")));
+}
+
+// h is known by the first step alone, the dent's contrast by the second alone.
+TEST(TryLadder, SaysWhatTheTakenStepReachesWhereNoneReachesAll) {
+  LadderTask task;
+  task.goal.objective = {.name = "h", .is_maximised = true};
+  task.wish.is_auto = false;
+  task.wish.wishes = {{.score = "h", .tolerance = 1.0}, {.score = "dent", .tolerance = 1.0}};
+  task.steps = {{.name = "first", .work = 1.0},
+                {.name = "second", .work = 2.0},
+                {.name = "top", .work = 9.0, .is_for_search = false}};
+  const auto evaluate = [](std::size_t step, std::span<const std::size_t> candidates) {
+    std::vector<std::optional<Scores>> found;
+    for (const std::size_t candidate : candidates) {
+      const double truth = static_cast<double>(candidate);
+      found.emplace_back(Scores{{"h", truth + (step == 1 ? 2.0 : 0.0)},
+                                {"dent", truth + (step == 0 ? 3.0 : 0.0)}});
+    }
+    return found;
+  };
+  const LadderChoice choice = try_ladder(task, evaluate);
+  EXPECT_FALSE(choice.is_reached);
+  EXPECT_THAT(
+      choice.unreached,
+      ElementsAre("h: \"second\", which is taken, reaches 2 in place of 1; no way to render "
+                  "reaches all scores at once"));
 }
 
 // 2000 ladders of normal errors with random bias and spread: of the steps that are taken, new

@@ -2,6 +2,7 @@
 #include "studies/stability/stability.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -32,6 +33,26 @@ TEST(Sweeps, HaveDistinctNamesAndAtLeastThreeCells) {
   EXPECT_THROW(chosen_sweeps({"gian"}), ConfigError);
 }
 
+// 100 x 100 pixels of 0.1 mm are 89 x 89 of 0.1118: stripes of 50 pixels are 5.59 mm.
+TEST(Sweeps, OfAnotherSceneAreRelativeToItsOwnSizes) {
+  SceneSettings scene;
+  scene.camera.width_px = scene.camera.height_px = 100;
+  scene.camera.object_pixel_mm = 0.1;
+  scene.tunnel.period_mm = 4.8;
+  scene.tunnel_name = "wall";
+  const SweptScene swept = swept_scene(scene);
+  const SweepValue stripes = chosen_sweeps({"stripe_over_pixel"}, swept)[0].values[0];
+  EXPECT_EQ(stripes.sets[0].path, "lighting.wall.period_mm");
+  EXPECT_NEAR(std::stod(stripes.sets[0].value), 50.0 * 0.1 * std::sqrt(10000.0 / 8000.0), 1e-9);
+  const SweepValue travel = chosen_sweeps({"travel_over_period"}, swept)[0].values[0];
+  EXPECT_NEAR(std::stod(travel.sets[0].value), 4.8 / 24.0, 1e-9);
+  EXPECT_THROW(chosen_sweeps({"part_size"}, swept), ConfigError);
+  EXPECT_FALSE(chosen_sweeps({}, swept).empty());
+  for (const Sweep& sweep : all_sweeps(swept)) {
+    EXPECT_NE(sweep.kind, Sweep::Kind::kWinner) << sweep.name;
+  }
+}
+
 TEST(Judge, CallsAnErrorBeyondItsBoundWrongUnlessItIsTold) {
   Outcome harmless;
   harmless.notes = {"24 positions"};
@@ -47,6 +68,30 @@ TEST(Judge, CallsAnErrorBeyondItsBoundWrongUnlessItIsTold) {
   judge(outcome, &harmless, wrong);
   EXPECT_EQ(wrong.verdict, Verdict::kTold);
   EXPECT_EQ(wrong.message, "the picture clips");
+}
+
+// The contrast is 4 bounds off, by a reference that is not sure of it; the picture certainly 1.5.
+TEST(Judge, LooksAtEachErrorByItself) {
+  Outcome outcome;
+  Cell cell = cell_with(4.0, 1.0, 3.5);
+  judge(outcome, nullptr, cell);
+  EXPECT_EQ(cell.verdict, Verdict::kRight);
+  cell.errors.push_back({.quantity = "contrast_percent", .error = 1.5, .bound = 1.0});
+  judge(outcome, nullptr, cell);
+  EXPECT_EQ(cell.verdict, Verdict::kWrong);
+}
+
+// A standard error of 1 point tells of h being 2 points off, and of no picture.
+TEST(Judge, AWordAboutOneErrorTellsNothingOfAnother) {
+  Outcome outcome;
+  outcome.evaluation.scores["homogeneity.h_rms.error"] = 0.01;
+  Cell cell = cell_with(0.015, 0.01);
+  cell.errors.push_back({.quantity = "h_points", .error = 2.0, .bound = 0.5});
+  judge(outcome, nullptr, cell);
+  EXPECT_EQ(cell.verdict, Verdict::kWrong);
+  cell.errors.erase(cell.errors.begin());
+  judge(outcome, nullptr, cell);
+  EXPECT_EQ(cell.verdict, Verdict::kTold);
 }
 
 // Leads of 0.7 and -0.6 points: the wrong design is ahead by 0.6.

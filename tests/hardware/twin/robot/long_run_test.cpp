@@ -59,8 +59,8 @@ TEST(LongRun, AnHourOfPackagesOverTheWireIsCompleteAndTakesNoMemory) {
     });
   }
   EXPECT_EQ(gaps, 0U);
-  // Packages that came glued to the last one are counted, too.
-  EXPECT_GE(last_s - first_s, 3600.0);
+  // Packages that came glued to the last one are counted, too. Sums of 8 ms are rounded.
+  EXPECT_GT(last_s - first_s, 3600.0 - 1e-3);
   EXPECT_NEAR(last_s - first_s, 0.008 * static_cast<double>(client.num_packages() - 1), 1e-3);
   EXPECT_LT(resident_mb() - before_mb, 5.0);
 }

@@ -69,6 +69,18 @@ TEST(RenderLadder, OfPathsHasReflectionsTimesSamples) {
                           "2 reflections, 64 samples"));
 }
 
+// The top of 12 samples is judged by a rung of at most half as many.
+TEST(RenderLadder, OfFewSamplesBeginsBelowHalfOfItsTop) {
+  SceneSettings scene = rough();
+  scene.paths.max_reflections = 1;
+  for (const auto& [samples, first] : {std::pair{1, 2}, std::pair{2, 4}, std::pair{3, 4}}) {
+    scene.paths.samples = samples;
+    const auto ladder = render_ladder(scene, {});
+    EXPECT_EQ(ladder.front().paths.samples, first) << samples;
+    EXPECT_LE(2 * ladder.front().paths.samples, ladder.back().paths.samples) << samples;
+  }
+}
+
 TEST(RenderLadder, EndsWhereFinalistsAreRescored) {
   for (const SceneSettings& scene : {mirror(), rough()}) {
     for (const KeptKeys& kept : {KeptKeys{}, KeptKeys{.method = true, .samples = true}}) {

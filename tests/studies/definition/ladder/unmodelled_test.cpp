@@ -6,7 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/file.h"
 #include "core/units.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {
@@ -38,7 +40,7 @@ TEST(UnmodelledNotes, TellSizes) {
   scene.defects = {{"scratch", {.type = DefectType::kScratch, .width_mm = 0.5}},
                    {"dent", {.type = DefectType::kDent, .diameter_mm = 2.0}}};
   const auto notes = unmodelled_notes(scene, {100.0, 50.0, 10.0});
-  ASSERT_EQ(notes.size(), 3U);
+  ASSERT_EQ(notes.size(), 4U);
   EXPECT_THAT(notes[0], HasSubstr("part 50 cm2"));
   EXPECT_THAT(notes[1], HasSubstr("Polarisation"));
   // 550 nm over 0.5 mm: 1.1 mrad.
@@ -54,6 +56,44 @@ TEST(UnmodelledNotes, DirectLightHasNoErrorOfPolarisation) {
   EXPECT_THAT(notes[0], HasSubstr("no estimate"));
   EXPECT_THAT(notes[1], HasSubstr("no error"));
   EXPECT_THAT(notes[2], HasSubstr("no defect"));
+}
+
+// A convex part throws no light on itself. Of a gear with R = 0.6 as much as (0.5 * 0.6)^2 = 9 % of
+// the light takes more than two reflections.
+TEST(UnmodelledNotes, TellOfReflectionsBeyondTheLast) {
+  SceneSettings scene;
+  scene.render.method = RenderSettings::Method::kPaths;
+  scene.paths.max_reflections = 2;
+  scene.material.reflectance = {0.6};
+  EXPECT_THAT(unmodelled_notes(scene, {1.0, 1.0, 1.0})[3], HasSubstr("does not see itself"));
+  scene.part.shape = PartSettings::Shape::kSpurGear;
+  EXPECT_THAT(unmodelled_notes(scene, {1.0, 1.0, 1.0})[3],
+              HasSubstr("2 times is not modelled: about 9 %"));
+}
+
+// Of index 1.5 at 60 degrees: Rs = 0.1770, Rp = 0.0018: 0.98 polarised, 0.96 twice.
+TEST(UnmodelledNotes, ACoatPolarisesWhatLiesBelowItDoesNot) {
+  SceneSettings scene;
+  scene.has_tunnel = false;
+  scene.material.type = MaterialSettings::Type::kDiffuse;
+  EXPECT_THAT(unmodelled_notes(scene, {1.0, 1.0, 1.0})[1], HasSubstr("no error"));
+  scene.material.coat.index = 1.5;
+  EXPECT_THAT(unmodelled_notes(scene, {1.0, 1.0, 1.0})[1], HasSubstr("this coat"));
+}
+
+// n = 1, k = 2 by a table: R = 4 / 8, so that both ways tell the same.
+TEST(UnmodelledNotes, PolarisationIsByTheTableOfNAndK) {
+  const TemporaryFolder folder;
+  write_file(folder / "metal.csv", "wl,n\n0.3,1\n0.9,1\nwl,k\n0.3,2\n0.9,2\n");
+  SceneSettings by_table;
+  by_table.material.nk_file = folder / "metal.csv";
+  SceneSettings by_reflectance;
+  by_reflectance.material.reflectance = {0.5};
+  const auto polarisation = [](const SceneSettings& scene) {
+    return unmodelled_notes(scene, {1.0, 1.0, 1.0})[1];
+  };
+  EXPECT_EQ(polarisation(by_table), polarisation(by_reflectance));
+  EXPECT_THAT(polarisation(by_table), HasSubstr("this metal"));
 }
 
 }  // namespace

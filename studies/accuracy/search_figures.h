@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "metrics/scores.h"
+#include "optimizer/problem/goal.h"
+
+namespace glint {
+
+/// What a search minimises, for each objective and design: [objective][design]. Of one objective
+/// the limits count as in a search: three times the spread of the designs for each unit of
+/// log(1 + violation).
+std::vector<std::vector<double>> search_figures(const Goal& goal, std::span<const Scores> designs);
+
+}  // namespace glint

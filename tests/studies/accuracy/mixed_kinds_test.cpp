@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The choice of a rung where some designs are rough, by paths, and the others are mirrors, with
+// evaluations that are made up.
+#include <atomic>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "studies/accuracy/accuracy_report.h"
+#include "studies/accuracy/chosen_accuracy.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using ::testing::HasSubstr;
+
+const char* const kMixedStudy = R"(schema = 1
+[part]
+shape = "plate"
+length_mm = 12
+width_mm = 8
+thickness_mm = 1
+[camera]
+width_px = 48
+height_px = 32
+object_pixel_mm = 0.2
+working_distance_mm = 100
+[render.paths]
+samples = 16
+max_reflections = 1
+[lighting.tunnel]
+radius_mm = 60
+length_mm = 300
+slot_mm = 8
+[lighting.ring]
+inner_radius_mm = 15
+outer_radius_mm = 25
+height_mm = 30
+[variables]
+lighting_use = { choices = ["tunnel", "ring"] }
+"sensor.gain" = { min = 0.5, max = 2 }
+[objective]
+maximise = "homogeneity.mean"
+[budget]
+evaluations = 0
+wall_clock = "1h"
+[accuracy]
+tolerance = { "homogeneity.mean" = 0.2 }
+)";
+
+// A mirror is rendered the same by every number of samples. If it counted, its errors of 0 would
+// make those of the others look smaller than they are.
+TEST(ChooseAccuracy, ComparesNoDesignsThatAllRungsRenderAlike) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", kMixedStudy);
+  const Study study = load_study(folder / "study.toml", {});
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  std::atomic<int> mirrors = 0;
+  std::atomic<int> rough = 0;
+  const ChosenAccuracy chosen = choose_accuracy(
+      {.study = study,
+       .store = store,
+       .evaluate = [&](const Overrides& overrides, const RenderRung&) {
+         ++(needs_paths(scene_with(study, overrides)) ? rough : mirrors);
+         return Outcome{.scores = {{"homogeneity.mean", 0.5}, {"homogeneity.clipped_share", 0.0}}};
+       }});
+  EXPECT_EQ(chosen.choice.designs.size(), 12U);
+  EXPECT_EQ(chosen.choice.num_failed, 0U);
+  EXPECT_GT(chosen.choice.num_alike, 0U);
+  EXPECT_GT(rough, 12);
+  EXPECT_EQ(mirrors, 0);
+  const auto told = accuracy_json(study, chosen, 0, {});
+  EXPECT_EQ(told["alike"], chosen.choice.num_alike);
+  const std::string sentence = told["sentence"].get<std::string>();
+  EXPECT_THAT(sentence, HasSubstr("how exact their scores are was not compared"));
+  EXPECT_THAT(sentence, HasSubstr("as much counted work as")) << "of a search without a length";
+}
+
+}  // namespace
+}  // namespace glint

@@ -200,7 +200,9 @@ class Measuring {
   }
 
   void measure_in_time(FrontierPoint& point) {
-    if (seconds_since(start_) > options_.budget_s) {
+    // The scene's own setting and the program's are what the chart is about.
+    const bool is_always_measured = point.method.is_current || point.method.is_choice;
+    if (seconds_since(start_) > options_.budget_s && !is_always_measured) {
       point.problem = kBudgetProblem;
       return;
     }

@@ -282,6 +282,18 @@ TEST(Frontier, MeasuresEveryMethod) {
   EXPECT_EQ(choices, 2);
 }
 
+// The chart is about them: what the scene has now, and what the program does by itself.
+TEST(Frontier, MeasuresTheScenesOwnMethodsHoweverLittleTimeThereIs) {
+  const Frontier frontier = measure_frontier(frontier_scene(), {.repeats = 1, .budget_s = 1e-9});
+  int left_out = 0;
+  for (const FrontierPoint& point : frontier.points) {
+    const bool is_own = point.method.is_current || point.method.is_choice;
+    EXPECT_TRUE(point.problem.empty() || !is_own) << point.label;
+    left_out += point.problem.empty() ? 0 : 1;
+  }
+  EXPECT_GT(left_out, 5);
+}
+
 TEST(FrontierSvg, IsTheSameBytesAndEscapesTheTitle) {
   const std::string svg = frontier_svg(small_frontier(), "a < b & c");
   EXPECT_EQ(svg, frontier_svg(small_frontier(), "a < b & c"));

@@ -216,7 +216,12 @@ int run_command(const StudyArguments& arguments,
   const bool is_interrupted = result["status"] == "interrupted";
   AcquireAnswer end;
   if (study.scene.validate && !is_interrupted) {
-    end = end_of_run(study, out, driven, common.threads, common.progress());
+    try {
+      end = end_of_run(study, out, driven, common.threads, common.progress());
+    } catch (const Error&) {  // the night's result is told before it
+      print_result(common, result, summary(result));
+      throw;
+    }
     result.update(end.json);
   }
   print_result(common, result, summary(result) + end.text);

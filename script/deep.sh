@@ -20,6 +20,8 @@ tidy_hardware  - clang-tidy on hardware
 tidy_tests     - clang-tidy on tests
 fuzz           - each fuzzer for a minute
 slow           - tests labelled slow, but those below
+slow_loop      - the loop of robot_cell at full width, and the hand-eye of ten cells
+slow_docs      - the commands of the pages, predicted costs, the package
 slow_search    - the searches of the gallery again, from their study files
 slow_golden    - every file that the studies of the gallery write, against its digest
 slow_changes   - two hundred known changes that glint compare names; goes on where it was when it is run again
@@ -118,12 +120,24 @@ fuzz_for_a_minute() { # program, name
     -artifact_prefix="$root/build/fuzz/$2-" "${folders[@]}"
 }
 
+loop_tests='^loop_(robot_cell|hand_eye_seeds)$'
+docs_tests='^(docs_commands|predicted_costs|package)$'
+changes_tests='^cli_compare_changes$'
 search_tests='^gallery_search$'
 golden_tests='^golden'
 stranger_tests='^stranger'
 
 deep_slow() {
-  build_preset dev && run_tests dev -L slow -E "$search_tests|$golden_tests|$stranger_tests"
+  build_preset dev &&
+    run_tests dev -L slow -E "$loop_tests|$docs_tests|$changes_tests|$search_tests|$golden_tests|$stranger_tests"
+}
+
+deep_slow_loop() {
+  build_preset dev && run_tests dev -L slow -R "$loop_tests"
+}
+
+deep_slow_docs() {
+  build_preset dev && run_tests dev -L slow -R "$docs_tests"
 }
 
 deep_slow_search() {

@@ -37,10 +37,24 @@ RouteMap::RouteMap(const PlanningCell& cell, const ClearanceCheck& clearance)
     safe_.push_back(node);
   }
   connect();
+  leave_out_unreached();
 }
 
-/// Quickest ways between all safe positions (Floyd and Warshall); those that cannot be reached from
-/// home are left out.
+/// Those that no way leads to from home: a view that only they are joined to has no path.
+void RouteMap::leave_out_unreached() {
+  std::vector<std::size_t> reached;
+  for (std::size_t i = 0; i < safe_.size(); ++i) {
+    if (durations_s_(0, index_of(i)) < kNoWay_s) {
+      reached.push_back(safe_[i]);
+    }
+  }
+  if (reached.size() < safe_.size()) {
+    safe_ = std::move(reached);
+    connect();
+  }
+}
+
+/// Quickest ways between all safe positions (Floyd and Warshall).
 void RouteMap::connect() {
   const std::size_t count = safe_.size();
   durations_s_ = Eigen::MatrixXd::Constant(index_of(count), index_of(count), kNoWay_s);

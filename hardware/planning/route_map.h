@@ -53,6 +53,7 @@ class RouteMap {
 
  private:
   void connect();
+  void leave_out_unreached();
   std::optional<Route> over_safe(std::size_t from, std::size_t to);
   Route measured(std::vector<std::size_t> nodes);
 

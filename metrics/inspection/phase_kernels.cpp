@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Inner loops of the fringes' phase (phase.h): a sum of weighted frames, which is the discrete
+// Fourier transform at the fringe frequency frame by frame, and a convolution along a row. Each is
+// one multiplication and one addition a pixel and frame, or a pixel and tap, bound by memory;
+// written so that the compiler makes wide instructions of them. docs/theory/inspection.md.
 #include "metrics/inspection/phase_kernels.h"
 
 #include <algorithm>

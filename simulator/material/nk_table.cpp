@@ -116,13 +116,19 @@ std::size_t find_line(const std::vector<Line>& lines, std::size_t from, std::str
   return from;
 }
 
+std::string unquoted(const std::string& text) {
+  const bool is_quoted = text.size() >= 2 && (text.front() == '"' || text.front() == '\'') &&
+                         text.back() == text.front();
+  return is_quoted ? text.substr(1, text.size() - 2) : text;
+}
+
 NkTable parse_yaml(const std::vector<Line>& lines, const std::string& file) {
   constexpr std::string_view kType = "- type:";
   const std::size_t type = find_line(lines, find_line(lines, 0, "DATA:"), kType);
   if (type == lines.size()) {
     refuse(file, static_cast<int>(lines.size()), "holds no table under DATA");
   }
-  const std::string kind = trimmed(trimmed(lines[type].text).substr(kType.size()));
+  const std::string kind = unquoted(trimmed(trimmed(lines[type].text).substr(kType.size())));
   if (kind != "tabulated nk") {
     refuse(file,
            lines[type].number,
@@ -131,7 +137,8 @@ NkTable parse_yaml(const std::vector<Line>& lines, const std::string& file) {
   const std::size_t data = find_line(lines, type, "data:");
   NkTable table = {.file = file};
   for (std::size_t i = data + 1; i < lines.size(); ++i) {
-    if (trimmed(lines[i].text).empty()) {
+    const std::string text = trimmed(lines[i].text);
+    if (text.empty() || text.front() == '#') {
       continue;
     }
     if (indent_of(lines[i].text) <= indent_of(lines[data].text)) {
@@ -201,6 +208,9 @@ RefractiveIndex NkTable::at(double at_nm) const {
 }
 
 NkTable parse_nk(std::string_view text, const std::string& file) {
+  if (text.starts_with("\xEF\xBB\xBF")) {  // as spreadsheets write it
+    text.remove_prefix(3);
+  }
   const std::vector<Line> lines = lines_of(text);
   const bool is_csv = text.starts_with("wl,");
   NkTable table = is_csv ? parse_csv(lines, file) : parse_yaml(lines, file);

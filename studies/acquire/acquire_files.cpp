@@ -114,15 +114,25 @@ AcquiredPicture AcquireFiles::described(const TakenPicture& picture) const {
   return described;
 }
 
+std::filesystem::path AcquireFiles::mean_file(const ViewTask& task) const {
+  return folder_ / "views" / folder_name_of(task.name) / "aspect.png";
+}
+
 void AcquireFiles::keep(const TakenPicture& picture) {
+  if (picture.is_accepted) {  // in the place of one that was lost: the mean is another one, too
+    std::error_code none;
+    fs::remove(mean_file(work_.plan.tasks.at(picture.task)), none);
+  }
   journal_.keep(described(picture), png_of(picture.frame, folder_));
 }
 
 void AcquireFiles::write_means() {
   for (const ViewTask& task : work_.plan.tasks) {
     const auto pictures = accepted_of(task.name);
-    const fs::path file = folder_ / "views" / folder_name_of(task.name) / "aspect.png";
-    if (pictures.size() != task.positions.size() || pictures.empty() || fs::exists(file)) {
+    const fs::path file = mean_file(task);
+    // After a power cut a file may have its name and no bytes.
+    const bool is_written = fs::exists(file) && fs::file_size(file) > 0;
+    if (pictures.size() != task.positions.size() || pictures.empty() || is_written) {
       continue;
     }
     if (pictures.size() == 1) {

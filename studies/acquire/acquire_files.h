@@ -42,6 +42,7 @@ class AcquireFiles {
   nlohmann::ordered_json write(nlohmann::ordered_json head) const;
 
  private:
+  std::filesystem::path mean_file(const ViewTask& task) const;
   AcquiredPicture described(const TakenPicture& picture) const;
   std::vector<const AcquiredPicture*> accepted_of(const std::string& view) const;
   std::vector<AcquiredPicture> sorted_pictures() const;

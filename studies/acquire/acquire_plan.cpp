@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/units.h"
+#include "hardware/planning/plan_check.h"
 #include "hardware/robot/path_check.h"
 #include "studies/acquire/acquired.h"
 #include "studies/acquire/expected_parts.h"
@@ -19,6 +20,7 @@
 #include "studies/imaging/path_lights.h"
 #include "studies/plan/plan_file.h"
 #include "studies/plan/scene_plan.h"
+#include "studies/reach/scene_cell.h"
 
 namespace glint {
 namespace {
@@ -155,20 +157,34 @@ void check_names(const std::vector<ViewTask>& tasks) {
   }
 }
 
+bool lies_in_cell(const AcquireSource& source) {
+  return source.scene && source.scene->cell &&
+         (source.scene->cell->base_from_part || source.scene->cell->flange_from_part);
+}
+
+std::optional<CalibrationSettings> own_calibration(const AcquireSource& source) {
+  return source.scene ? source.scene->calibration : std::nullopt;
+}
+
 ViewPlan views_of(const AcquireSource& source, const Cell& cell, double speed_share) {
   if (source.plan) {
     return *source.plan;
   }
-  const bool is_in_cell =
-      source.scene && source.scene->cell &&
-      (source.scene->cell->base_from_part || source.scene->cell->flange_from_part);
-  if (is_in_cell) {
+  if (lies_in_cell(source)) {
     return plan_scene(*source.scene, cell).plan;
   }
-  return plan_of_cell_views(
-      cell,
-      speed_share,
-      source.scene ? source.scene->calibration : std::optional<CalibrationSettings>());
+  return plan_of_cell_views(cell, speed_share, own_calibration(source));
+}
+
+/// A plan may have been made for another cell, or before something was put into this one.
+void check_free(const ViewPlan& plan, const AcquireSource& source, const Cell& cell) {
+  const PlanningCell planned = lies_in_cell(source) ? planning_cell_of(*source.scene, cell)
+                                                    : planning_cell(cell, own_calibration(source));
+  const std::string touch = obstruction(planned, plan);
+  if (!touch.empty()) {
+    throw ConfigError(
+        fmt::format("paths: {}; in this cell the plan cannot be driven, plan again", touch));
+  }
 }
 
 }  // namespace
@@ -191,6 +207,9 @@ AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_
   check_any_taken(work.views);
   work.plan.tour = tour_of(work.views, cell);
   check_legs(work.plan.tour, cell, speed_share);
+  if (source.plan) {
+    check_free(work.views, source, cell);
+  }
   if (source.scene) {
     const StageScan scan = stage_scan(*source.scene);
     work.num_positions = scan.positions;

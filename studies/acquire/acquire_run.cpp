@@ -107,18 +107,35 @@ void write_inputs(const Prepared& ready, Json& head) {
   }
 }
 
+bool is_there(const std::vector<AcquiredPicture>& pictures, const ViewTask& task, int position) {
+  return std::ranges::any_of(pictures, [&](const AcquiredPicture& picture) {
+    return picture.is_accepted && picture.view == task.name && picture.position == position;
+  });
+}
+
 /// Every picture that is wanted is there, as it was taken.
 bool is_whole(const Prepared& ready) {
   const std::vector<AcquiredPicture> there = whole_pictures(ready.folder, ready.digest);
-  const auto is_there = [&there](const ViewTask& task, int position) {
-    return std::ranges::any_of(there, [&](const AcquiredPicture& picture) {
-      return picture.is_accepted && picture.view == task.name && picture.position == position;
-    });
-  };
   return std::ranges::all_of(ready.work.plan.tasks, [&](const ViewTask& task) {
     return std::ranges::all_of(task.positions,
-                               [&](int position) { return is_there(task, position); });
+                               [&](int position) { return is_there(there, task, position); });
   });
+}
+
+/// What a folder tells in which nothing is missing: nobody has to move for it. Empty: something is,
+/// or it was cut short before it could tell.
+std::optional<Json> nothing_to_take(const Prepared& ready) {
+  const fs::path file = ready.folder / "acquired.json";
+  if (!fs::exists(file) || !is_whole(ready)) {
+    return std::nullopt;
+  }
+  Json told = Json::parse(read_file(file), nullptr, false);
+  if (!told.is_object() || told.value("status", "stopped") == "stopped") {
+    return std::nullopt;
+  }
+  told["counts"]["resumed"] = told["counts"]["accepted"];
+  told["counts"]["taken_now"] = told["counts"]["rejected_now"] = 0;
+  return told;
 }
 
 /// What a person has to do first, and has not confirmed.
@@ -145,6 +162,12 @@ Json next_step(const std::string& design,
   return {{"design", design}, {"text", wish}, {"in_place_of", mounted}};
 }
 
+Json ended(const Prepared& ready, Json told) {
+  told["ok"] = told["status"] == "complete";
+  told["folder"] = ready.folder.string();
+  return told;
+}
+
 Json waiting(const Prepared& ready, const Json& next) {
   return {{"schema", 1},
           {"status", "waiting"},
@@ -167,13 +190,17 @@ Json described_step(const Prepared& ready, const AcquireOptions& options) {
   return wish && !is_taken ? next_step(design, *wish, options.mounted) : Json(nullptr);
 }
 
-Json described_tasks(const std::vector<ViewTask>& tasks) {
+/// @param there  pictures that the folder has already
+Json described_tasks(const std::vector<ViewTask>& tasks,
+                     const std::vector<AcquiredPicture>& there) {
   Json views = Json::array();
   for (const ViewTask& task : tasks) {
+    const auto missing = std::ranges::count_if(
+        task.positions, [&](int position) { return !is_there(there, task, position); });
     views.push_back({{"view", task.name},
                      {"lights", task.lights},
                      {"exposure_us", task.exposure_us},
-                     {"pictures", task.positions.size()}});
+                     {"pictures", missing}});
   }
   return views;
 }
@@ -252,7 +279,8 @@ class Session {
 Json describe_acquisition(const AcquireOptions& options) {
   const Prepared ready = prepare(options);
   const Json next = described_step(ready, options);
-  const Json views = described_tasks(ready.work.plan.tasks);
+  const Json views =
+      described_tasks(ready.work.plan.tasks, whole_pictures(ready.folder, ready.digest));
   int pictures = 0;
   for (const Json& view : views) {
     pictures += view["pictures"].get<int>();
@@ -287,6 +315,9 @@ Json acquire_pictures(const AcquireOptions& options,
   if (const auto wish = open_wish(ready, options, prototypes)) {
     return waiting(ready, next_step(prototypes.design_in(options.source), *wish, options.mounted));
   }
+  if (std::optional<Json> told = nothing_to_take(ready)) {
+    return ended(ready, std::move(*told));
+  }
   const auto confirm = [&options](const std::string& light, const std::string& what) {
     return std::ranges::find(options.confirmed, light) != options.confirmed.end() ||
            (options.confirm && options.confirm(what));
@@ -300,9 +331,7 @@ Json acquire_pictures(const AcquireOptions& options,
   run["verb"] = command_of(ResultKind::kAcquire);
   run["seconds"] = seconds_since(start);
   write_file(ready.folder / "run.json", run.dump(2) + "\n");
-  json["ok"] = json["status"] == "complete";
-  json["folder"] = ready.folder.string();
-  return json;
+  return ended(ready, std::move(json));
 }
 
 }  // namespace glint

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "hardware/planning/plan_check.h"
 #include "studies/acquire/acquired.h"
 #include "studies/acquire/journal.h"
 #include "studies/calibrate/calibrate_run.h"
@@ -26,7 +27,6 @@ using calibrate_cell_detail::calibrated_cell;
 using calibrate_cell_detail::ended_round;
 using calibrate_cell_detail::keep_poses;
 using calibrate_cell_detail::kept_poses;
-using calibrate_cell_detail::obstruction;
 using calibrate_cell_detail::reached_poses;
 using calibrate_cell_detail::ReachedPoses;
 using calibrate_cell_detail::WantedPose;

@@ -41,9 +41,6 @@ void keep_poses(const ReachedPoses& poses,
 /// what this tells, the one that wrote it, too.
 ReachedPoses kept_poses(const std::filesystem::path& file);
 
-/// What a path of the plan would touch by now; empty: nothing.
-std::string obstruction(const PlanningCell& cell, const ViewPlan& plan);
-
 /// planning_cell() of a cell without a scene, with camera and board where a calibration has them.
 /// @param calibration  its folder; with poses
 /// @throws ConfigError, IoError

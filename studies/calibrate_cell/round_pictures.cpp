@@ -21,8 +21,12 @@ std::optional<Json> ended_round(const std::filesystem::path& folder) {
     return std::nullopt;
   }
   Json ended = Json::parse(read_file(file), nullptr, false);
-  const bool has_ended = ended.is_object() && ended.value("status", "stopped") != "stopped";
-  return has_ended ? std::optional(std::move(ended)) : std::nullopt;
+  if (!ended.is_object() || ended.value("status", "stopped") == "stopped") {
+    return std::nullopt;
+  }
+  // Where none was accepted, as with a lamp that was forgotten, all are taken again.
+  const bool has_any = ended.value("counts", Json::object()).value("accepted", 0) > 0;
+  return has_any ? std::optional(std::move(ended)) : std::nullopt;
 }
 
 namespace {

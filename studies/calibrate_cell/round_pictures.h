@@ -15,7 +15,8 @@
 
 namespace glint::calibrate_cell_detail {
 
-/// What acquired.json of a round holds that has ended; none: it has not, or was stopped.
+/// What acquired.json of a round holds that has ended; none: it has not, was stopped, or all its
+/// pictures were rejected.
 std::optional<nlohmann::ordered_json> ended_round(const std::filesystem::path& folder);
 
 /// acquire_pictures(), but for a round that an earlier call has ended: it is not driven again, as

@@ -86,10 +86,14 @@ std::set<std::string> names_of(const std::vector<CompareSource>& sources) {
   return names;
 }
 
+bool is_named(const CompareSource& source, const std::string& name) {
+  return source.name == name || source.picture.filename().string() == name ||
+         source.picture.string() == name;
+}
+
 const CompareSource* find(const std::vector<CompareSource>& sources, const std::string& name) {
-  const auto found = std::ranges::find_if(sources, [&](const CompareSource& source) {
-    return source.name == name || source.picture.filename().string() == name;
-  });
+  const auto found = std::ranges::find_if(
+      sources, [&](const CompareSource& source) { return is_named(source, name); });
   return found == sources.end() ? nullptr : &*found;
 }
 
@@ -97,6 +101,14 @@ const CompareSource& named(const std::vector<CompareSource>& sources,
                            const CsvField& field,
                            const char* side) {
   const CompareSource* source = find(sources, field.text);
+  const auto count = std::ranges::count_if(
+      sources, [&](const CompareSource& other) { return is_named(other, field.text); });
+  if (count > 1) {
+    throw ConfigError(Problem{
+        .place = field.place,
+        .text = fmt::format(
+            "{} {} pictures are called {}: name each by its path", count, side, field.text)});
+  }
   if (source == nullptr) {
     throw ConfigError(Problem{
         .place = field.place,

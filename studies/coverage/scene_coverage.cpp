@@ -9,6 +9,7 @@
 #include "metrics/coverage/separation.h"
 #include "studies/coverage/place_light.h"
 #include "studies/definition/scene_viewpoints.h"
+#include "studies/imaging/scene_picture.h"
 
 namespace glint {
 namespace {
@@ -29,6 +30,17 @@ CellState state_in_light(const PlaceLight& light, const CoverageSettings& settin
                                                                       : CellState::kInspected;
 }
 
+/// With the exposure that its pictures have.
+SceneSettings exposed(SceneStore& store, SceneSettings scene) {
+  if (scene.expose_to > 0.0) {
+    SceneSettings flawless = scene;
+    flawless.defects.clear();
+    scene.sensor = with_equal_exposure(store, first_view(store, flawless)).sensor;
+    scene.expose_to = 0.0;
+  }
+  return scene;
+}
+
 class Covering {
  public:
   Covering(SceneStore& store, const SceneSettings& scene) : store_(store), scene_(scene) {
@@ -38,6 +50,7 @@ class Covering {
     result_.has_light = scene.coverage.has_light && is_lit(scene);
     if (result_.has_light) {
       check_part_in_tunnel(store, scene);
+      scene_ = exposed(store, scene);
     }
     result_.cells = surface_cells(result_.part->part, scene.coverage.points, scene.coverage.seed);
     result_.visibility = Visibility(result_.viewpoints.size(), result_.cells.size());
@@ -199,7 +212,7 @@ class Covering {
   }
 
   SceneStore& store_;
-  const SceneSettings& scene_;
+  SceneSettings scene_;
   SceneCoverage result_;
   std::vector<std::vector<Look>> views_;
 };

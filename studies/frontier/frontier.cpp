@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "core/cpu_clock.h"
+#include "core/wall_clock.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/banded_scan.h"
 #include "studies/frontier/frontier_errors.h"
@@ -23,19 +24,8 @@ constexpr double kTimedTotal_s = 0.3;
 
 constexpr const char* kBudgetProblem = "left out: the budget of time was used up";
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// More rays at once are rendered in bands: 36 bytes each.
 constexpr std::int64_t kMaxRays = std::int64_t{1} << 25;
-
-/// The sensor without what no method of rendering can change.
-SceneSettings quiet(SceneSettings scene) {
-  scene.sensor.full_well_e = scene.sensor.read_noise_e = scene.sensor.dark_e = 0.0;
-  scene.sensor.bits = 0;
-  return scene;
-}
 
 /// A sensor whose grey values are radiances times the gain.
 SceneSettings linear(SceneSettings scene, double gain) {
@@ -124,7 +114,7 @@ void check_memory(const SceneSettings& scene) {
 class Measuring {
  public:
   Measuring(const SceneSettings& scene, const FrontierOptions& options)
-      : scene_(quiet(scene)), options_(options), pool_(options.threads) {
+      : scene_(noiseless(scene)), options_(options), pool_(options.threads) {
     frontier_.points = frontier_methods(scene_);
     for (const FrontierPoint& point : frontier_.points) {
       total_work_ += work_of(point);

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "simulator/sensor/sensor.h"
+
 namespace glint {
 namespace {
 
@@ -133,6 +135,12 @@ SceneSettings scene_of(const FrontierPoint& point, SceneSettings scene) {
   }
   put_realisation(point.realisation, scene);
   return with_larger_pixels(std::move(scene), point.reduction);
+}
+
+SceneSettings noiseless(SceneSettings scene) {
+  scene.sensor = without_noise(scene.sensor);
+  scene.sensor.bits = 0;
+  return scene;
 }
 
 SceneSettings with_larger_pixels(SceneSettings scene, int factor) {

@@ -17,6 +17,9 @@ std::vector<FrontierPoint> frontier_methods(const SceneSettings& scene);
 /// The scene as a point has it rendered.
 SceneSettings scene_of(const FrontierPoint& point, SceneSettings scene);
 
+/// The sensor without its noise and rounding: what no method of rendering can change.
+SceneSettings noiseless(SceneSettings scene);
+
 /// The scene with pixels `factor` times as large along both sides, and as many fewer. @param factor
 /// >= 1
 SceneSettings with_larger_pixels(SceneSettings scene, int factor);

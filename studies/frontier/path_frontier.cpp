@@ -37,13 +37,6 @@ WantedScores wanted_of(const Goal* goal) {
   return wanted;
 }
 
-/// The sensor without its noise and rounding: pictures differ by their light alone.
-SceneSettings noiseless(SceneSettings scene) {
-  scene.sensor.full_well_e = scene.sensor.read_noise_e = scene.sensor.dark_e = 0.0;
-  scene.sensor.bits = 0;
-  return scene;
-}
-
 std::string weber_name(const std::string& label) {
   return "defects." + label + ".weber";
 }

@@ -29,6 +29,8 @@ SceneSettings scene_of(const fs::path& path) {
   return scene;
 }
 
+constexpr double kLeastSeenPx = 1.0;  ///< what `glint render` sees less of has no window either
+
 /// Radius of a line with round ends from its area: pi r^2 + 2 r length = area.
 double radius_of(double area_px, double length_px) {
   return (std::sqrt(length_px * length_px + kPi * area_px) - length_px) / kPi;
@@ -39,8 +41,12 @@ class Reader {
   explicit Reader(const SceneSettings& scene)
       : camera_(intrinsics_of(scene)), pose_(camera_from_world(scene.viewpoint())) {}
 
-  /// Empty when the defect is behind the camera or outside the picture.
+  /// Empty when the camera does not see the defect: it is on the far side, or outside the picture.
   std::optional<KnownDefect> read(const nlohmann::json& json) const {
+    const double area_px = json.at("area_px").get<double>();
+    if (area_px < kLeastSeenPx) {
+      return std::nullopt;
+    }
     KnownDefect known{.id = json.at("id").get<int>(),
                       .label = json.at("label").get<std::string>(),
                       .kind = json.at("kind").get<std::string>()};
@@ -57,7 +63,7 @@ class Reader {
     }
     known.from_px = *from;
     known.to_px = *to;
-    known.radius_px = radius_of(json.at("area_px").get<double>(), (*to - *from).norm());
+    known.radius_px = radius_of(area_px, (*to - *from).norm());
     return known;
   }
 

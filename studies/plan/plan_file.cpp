@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "core/csv.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/units.h"
@@ -187,9 +188,10 @@ const Json& list_of(const Fields& fields, const std::string& key) {
   return list;
 }
 
-std::string csv_pose(const Eigen::Isometry3d& pose) {
-  const JointVector six = pose_difference(pose, Eigen::Isometry3d::Identity());
-  return fmt::format("{:.4f}", fmt::join(six.begin(), six.end(), ","));
+void add_four_decimals(const JointVector& six, std::vector<std::string>& row) {
+  for (const double number : six) {
+    row.push_back(fmt::format("{:.4f}", number));
+  }
 }
 
 }  // namespace
@@ -260,16 +262,18 @@ std::string plan_csv(const ViewPlan& plan) {
   for (const PlannedView& view : plan.views) {
     const bool is_planned = view.outcome == ViewOutcome::kPlanned;
     const JointVector joints_deg = view.joints_rad * kDegPerRad;
-    text += fmt::format(
-        "{},{},{},{},{},{},\"{}\"\n",
-        view.name,
-        name_of(view.outcome),
-        is_planned ? fmt::format("{:.3f}", view.margin_mm) : "",
-        is_planned ? fmt::format("{:.5f}", view.singularity) : "",
-        is_planned ? fmt::format("{:.4f}", fmt::join(joints_deg.begin(), joints_deg.end(), ","))
-                   : ",,,,,",
-        csv_pose(view.base_from_camera),
-        view.reason);
+    std::vector<std::string> row = {csv_plain_text(view.name),
+                                    std::string(name_of(view.outcome)),
+                                    is_planned ? fmt::format("{:.3f}", view.margin_mm) : "",
+                                    is_planned ? fmt::format("{:.5f}", view.singularity) : ""};
+    if (is_planned) {
+      add_four_decimals(joints_deg, row);
+    } else {
+      row.resize(row.size() + 6);
+    }
+    add_four_decimals(pose_difference(view.base_from_camera, Eigen::Isometry3d::Identity()), row);
+    row.push_back(csv_plain_text(view.reason));
+    text += csv_row(row);
   }
   return text;
 }

@@ -7,6 +7,10 @@
 
 namespace glint {
 
+PlanningCell planning_cell_of(const SceneSettings& scene, const Cell& cell) {
+  return planning_cell(cell, scene, build_part_with_bvh(scene.part).part.mesh);
+}
+
 ScenePlan plan_scene(const SceneSettings& scene, const Cell& cell) {
   const BuiltPart built = build_part_with_bvh(scene.part);
   ScenePlan result = {.cell = planning_cell(cell, scene, built.part.mesh)};

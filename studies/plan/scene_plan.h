@@ -13,6 +13,10 @@ struct ScenePlan {
   ViewPlan plan;
 };
 
+/// What stands and is carried where a scene lies in its cell. Builds the part.
+/// @throws ConfigError beginning with the key at fault, IoError
+PlanningCell planning_cell_of(const SceneSettings& scene, const Cell& cell);
+
 /// The plan of a scene's viewpoints. Builds the part; connects to nothing.
 /// @throws ConfigError beginning with the key at fault, IoError
 ScenePlan plan_scene(const SceneSettings& scene, const Cell& cell);

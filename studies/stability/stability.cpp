@@ -9,6 +9,7 @@
 
 #include "core/config/toml.h"
 #include "core/error.h"
+#include "simulator/sensor/sensor.h"
 #include "studies/definition/overrides.h"
 #include "studies/stability/reference/reference_scene.h"
 #include "studies/stability/stability_pairs.h"
@@ -37,7 +38,7 @@ ConfigNode quiet_scene(const ConfigNode& given) {
   if (!problems.empty()) {
     throw ConfigError(problems);
   }
-  scene.sensor.full_well_e = scene.sensor.read_noise_e = scene.sensor.dark_e = 0.0;
+  scene.sensor = without_noise(scene.sensor);
   scene.sensor.bits = 0;
   reduce_camera(scene.camera);
   check_mirror(scene.material);

@@ -41,6 +41,13 @@ RealView real_view(const Acquired& acquired, const std::string& view) {
       .rotation_sigma_rad = first.rotation_sigma_rad};
 }
 
+/// A view that has frames of a scan and no mean of them all: no single frame is its picture.
+bool is_cut_short(const Acquired& acquired, const std::string& view) {
+  const auto pictures = acquired.of_view(view);
+  const bool is_of_scan = pictures.size() > 1 || pictures.front().position != 0;
+  return (is_of_scan || acquired.status == "stopped") && !is_there(acquired.aspect_of(view));
+}
+
 RealDesign read_acquired_design(const std::string& name, const fs::path& folder) {
   const Acquired acquired = read_acquired(folder);
   RealDesign design = {.name = name,
@@ -48,6 +55,11 @@ RealDesign read_acquired_design(const std::string& name, const fs::path& folder)
                        .calibration = acquired.calibration,
                        .is_of_twin = acquired.is_twin};
   for (const std::string& view : acquired.views()) {
+    if (is_cut_short(acquired, view)) {
+      design.notes.push_back(fmt::format(
+          "{}: {} is not whole and left out; glint acquire goes on with it", name, view));
+      continue;
+    }
     design.views.push_back(real_view(acquired, view));
   }
   if (design.views.empty()) {

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/log.h"
+#include "optimizer/algorithm/merit.h"
 #include "studies/compare/camera/scene_camera.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/validate/validated_scene.h"
@@ -17,17 +18,23 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The objective of a scene; empty: it cannot be scored.
-std::optional<double> objective_of(SceneStore& store,
-                                   const SceneSettings& scene,
-                                   const Goal& goal) {
+/// What a design is chosen by.
+struct Score {
+  std::optional<double> objective;  ///< empty: it cannot be scored
+  bool is_feasible = false;
+};
+
+Score score_of(SceneStore& store, const SceneSettings& scene, const Goal& goal) {
   try {
     const Scores scores = evaluate(store, first_view(store, scene), {}, wanted_by(goal)).scores;
     const auto found = scores.find(goal.objective.name);
-    return found == scores.end() ? std::nullopt : std::optional(found->second);
+    if (found == scores.end()) {
+      return {};
+    }
+    return {.objective = found->second, .is_feasible = is_feasible(goal, scores)};
   } catch (const ConfigError& error) {
     log(LogLevel::kWarning, "a design cannot be scored again: {}", error.what());
-    return std::nullopt;
+    return {};
   }
 }
 
@@ -35,16 +42,26 @@ Json json_of(const std::optional<double>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-/// Keeps the best so far.
+/// Keeps the best so far: one that meets the limits before one that does not, as a search.
 struct Leader {
-  std::optional<double> value;
+  Score best;
   std::string name;
 
-  void see(const std::optional<double>& other, const std::string& by, bool is_maximised) {
-    if (other && (!value || (is_maximised ? *other > *value : *other < *value))) {
-      value = other;
+  void see(const Score& other, const std::string& by, bool is_maximised) {
+    if (is_better(other, is_maximised)) {
+      best = other;
       name = by;
     }
+  }
+
+  bool is_better(const Score& other, bool is_maximised) const {
+    if (!other.objective || !best.objective) {
+      return other.objective.has_value();
+    }
+    if (other.is_feasible != best.is_feasible) {
+      return other.is_feasible;
+    }
+    return is_maximised ? *other.objective > *best.objective : *other.objective < *best.objective;
   }
 };
 
@@ -72,11 +89,15 @@ Json rescore_designs(SceneStore& store,
   Leader after;
   for (const std::string& name : designs) {
     const SceneSettings scene = read_design_scene(run / name / "scene.toml");
-    const auto first = objective_of(store, scene, study.goal);
-    const auto second = objective_of(store, refitted_scene(scene, refit), study.goal);
+    const Score first = score_of(store, scene, study.goal);
+    const Score second = score_of(store, refitted_scene(scene, refit), study.goal);
     before.see(first, name, study.goal.objective.is_maximised);
     after.see(second, name, study.goal.objective.is_maximised);
-    rows.push_back({{"name", name}, {"before", json_of(first)}, {"after", json_of(second)}});
+    rows.push_back({{"name", name},
+                    {"before", json_of(first.objective)},
+                    {"after", json_of(second.objective)},
+                    {"feasible_before", first.is_feasible},
+                    {"feasible_after", second.is_feasible}});
   }
   return {{"objective", study.goal.objective.name},
           {"designs", rows},

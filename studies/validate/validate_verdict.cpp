@@ -279,8 +279,8 @@ class Judge {
     const bool has_fault =
         std::ranges::any_of(verdict_.faults, [](const ToldFault& f) { return !f.is_within; });
     const bool is_order_wrong = f_.ranking && !f_.ranking->agrees;
-    const bool is_apart =
-        is_grey_apart() || f_.blur_px2.value_or(0.0) > f_.limits.blur_px || are_edges_apart();
+    const bool is_blur_apart = f_.blur_px2 && std::sqrt(std::abs(*f_.blur_px2)) > f_.limits.blur_px;
+    const bool is_apart = is_grey_apart() || is_blur_apart || are_edges_apart();
     verdict_.agreement = has_fault || is_order_wrong ? SidesAgreement::kDisagrees
                          : is_apart                  ? SidesAgreement::kAfterRefit
                                                      : SidesAgreement::kAgrees;

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The bounding volume hierarchy is Embree's (Wald et al., "Embree: a kernel framework for efficient
+// CPU ray tracing", ACM TOG 33, 2014) in its robust mode, traversed sixteen rays at a time. What is
+// added is what float numbers miss: rays that aim exactly at a vertex are tried again a little
+// aside, and positions are left to whoever has the exact surface. Cost of a ray: that of Embree and
+// of the copies into its packets. docs/theory/tunnel.md, "What is kept".
 #include "simulator/geometry/bvh/bvh.h"
 
 #include <algorithm>

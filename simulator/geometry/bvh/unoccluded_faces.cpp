@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Area vectors of the triangles are gathered by their direction; for the 24 directions with most
+// area at most, the highest vertex along each is found, and triangles that reach it within the
+// tolerance are a face that nothing rises above. Built once a mesh, a pass over all triangles and
+// vertices for each direction; asked by one look into a table a ray. docs/theory/tunnel.md, "What
+// is kept".
 #include "simulator/geometry/bvh/unoccluded_faces.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A ray that Embree met at a triangle is moved onto the exact surface that the triangle stands for.
+// Planes, paraboloids, spheres and cylinders are of second degree: the root next to the triangle,
+// by the form of the quadratic formula that does not cancel. Involutes take Newton's method with
+// two more terms of the root's series, all lanes together, until what is left is below the
+// tolerance, in twenty steps at most. Some tens of operations a ray, for an involute some hundred;
+// docs/theory/parts.md.
 #include "simulator/geometry/part/exact_kernels.h"
 
 #include <cmath>

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A binary tree over the emitters, halved at the median along the longest side of their middles;
+// going down it, a child is taken with a probability by its estimate at the point (Conty Estevez
+// and Kulla, HPG 2018; the header has the estimate). Choosing costs two estimates a level, log2 of
+// the emitters levels; what a ray meets is found by the same boxes. docs/theory/path_tracing.md.
 #include "simulator/light/area/light_tree.h"
 
 #include <algorithm>

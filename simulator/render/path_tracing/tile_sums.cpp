@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Sums of a tile lie plane by plane, 64 doubles each, in the cache of the core that renders it, and
+// go into the picture once a pass: threads share nothing in between, and the order of the additions
+// to a pixel is that of its own samples whatever the number of threads. Cost: one addition a plane
+// and sample. docs/theory/path_tracing.md, docs/decisions/0002-bit-identical-results.md.
 #include "simulator/render/path_tracing/tile_sums.h"
 
 #include <algorithm>

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Means over the rays of a pixel: sums of what was seen, divided by how many rays saw it. Rays that
+// missed are multiplied by 0 and not jumped over, so that a row is one pass in wide instructions
+// and the order of additions is fixed (docs/decisions/0002-bit-identical-results.md). Some ten
+// operations a ray. docs/theory/tunnel.md, "What is kept".
 #include "simulator/render/ray_cache/seen_kernels.h"
 
 #include "core/simd.h"

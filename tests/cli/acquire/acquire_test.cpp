@@ -124,6 +124,7 @@ TEST(Acquire, TakesTheCellsViewsAndNothingTwice) {
   EXPECT_EQ(twins.acquired("whole")["pictures"][3]["lights"], json::array({"bar"}));
   EXPECT_THAT(read_file(twins.folder / "whole/poses.csv"),
               HasSubstr("views/left/sequence/frame_000.png,"));
+  twins.fault("protective_stop now");  // nobody who moves for it: it would be told
   const json again = json::parse(glint_in(twins.folder, SmallTwins::acquire("whole")).out);
   EXPECT_EQ(again["counts"]["taken_now"], 0);
   EXPECT_EQ(again["counts"]["resumed"], 5);

@@ -127,7 +127,7 @@ TEST(PlanViews, NoPathIsNotUnreachable) {
   // shape by limits of all other joints.
   cell = planned_cell();
   const JointVector there_rad = plan_of(cell, good).views[0].joints_rad;
-  const JointVector& home_rad = cell.safe_positions.front().joints_rad;
+  const JointVector home_rad = cell.safe_positions.front().joints_rad;
   constexpr double kRoom = 0.25;
   for (Eigen::Index i = 1; i < 6; ++i) {
     cell.joint_min_rad[i] = std::min(there_rad[i], home_rad[i]) - kRoom;
@@ -145,6 +145,12 @@ TEST(PlanViews, NoPathIsNotUnreachable) {
   const ViewPlan walled = plan_of(cell, good);
   EXPECT_EQ(walled.views[0].outcome, ViewOutcome::kNoPath) << walled.views[0].reason;
   EXPECT_THAT(walled.views[0].reason, HasSubstr("no way from a safe position"));
+
+  // Nor does a second safe position help that can be left for the view, and not reached from home.
+  cell.safe_positions.push_back({.name = "before", .joints_rad = home_rad});
+  const ViewPlan apart = plan_of(cell, good);
+  EXPECT_EQ(apart.views[0].outcome, ViewOutcome::kNoPath) << apart.views[0].reason;
+  EXPECT_TRUE(apart.paths.empty());
 }
 
 TEST(PlanViews, TellsTheNearestPoseOfARefusedView) {

@@ -49,6 +49,15 @@ TEST(NkTable, ReadsBothKindsOfCsv) {
   EXPECT_NEAR(two.at(550).n, 1.5, 1e-12);
 }
 
+TEST(NkTable, ReadsWhatSpreadsheetsAndEditorsWrite) {
+  EXPECT_EQ(parse_nk("\xEF\xBB\xBFwl,n,k\n0.5,1,2\n", "m.csv").n.size(), 1U);
+  for (const char* type : {"\"tabulated nk\"", "'tabulated nk'"}) {
+    const std::string text = std::string("DATA:\n  - type: ") + type +
+                             "\n    data: |\n      # by ellipsometry\n      0.5 1 2\n";
+    EXPECT_EQ(parse_nk(text, "m.yml").n.size(), 1U) << type;
+  }
+}
+
 TEST(NkTable, RefusesAWavelengthItDoesNotHold) {
   const NkTable table = parse_nk("wl,n,k\n0.5,1,2\n0.6,2,4\n", "m.csv");
   for (const double nm : {499.0, 601.0, std::nan("")}) {

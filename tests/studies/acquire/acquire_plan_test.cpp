@@ -235,6 +235,16 @@ TEST_F(AcquirePlan, RefusesPlansThatCannotBeDriven) {
               HasSubstr("must begin at a [[safe_position]]"));
 }
 
+// Planned before the post was there.
+TEST_F(AcquirePlan, RefusesAPlanWhosePathsTouchAnObstacleOfThisCell) {
+  write_file(folder_ / "plan.json", kPlan);
+  const AcquireSource source = read_source(folder_ / "plan.json");
+  EXPECT_NO_THROW(work_of(source, cell_of(kCell + post_at(-40.0)), 0.5));
+  EXPECT_THAT([&] { work_of(source, cell_of(kCell + post_at(10.0)), 0.5); },
+              testing::ThrowsMessage<ConfigError>(testing::AllOf(
+                  HasSubstr("paths: from home to a"), HasSubstr("post"), HasSubstr("plan again"))));
+}
+
 // With its table, camera and cable: what the study asks for, and where calibrating begins.
 TEST(GalleryRobotCell, AllItsViewsCanBeTaken) {
   const std::filesystem::path gallery =

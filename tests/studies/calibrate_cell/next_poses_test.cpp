@@ -7,6 +7,7 @@
 
 #include "core/file.h"
 #include "hardware/planning/clearance.h"
+#include "hardware/planning/plan_check.h"
 #include "studies/reach/scene_cell.h"
 #include "tests/support/temporary_folder.h"
 

@@ -95,6 +95,22 @@ TEST_F(PlanComparison, FollowsACsvFile) {
       ThrowsMessage<ConfigError>(HasSubstr("pairs.csv:1:1: 4 fields, must be two or three")));
 }
 
+TEST_F(PlanComparison, RefusesANameThatTwoPicturesHave) {
+  add("a/one.png");
+  add("b/01.png");
+  add("c/01.png");
+  write_file(folder() / "pairs.csv", "one,01\n");
+  const CompareInputs inputs = {.simulated = folder() / "a",
+                                .reals = {folder() / "b", folder() / "c"},
+                                .pairs = folder() / "pairs.csv"};
+  EXPECT_THAT([&] { plan_comparison(inputs); },
+              ThrowsMessage<ConfigError>(HasSubstr(
+                  "pairs.csv:1:5: 2 real pictures are called 01: name each by its path")));
+  const std::string second = folder() / "c/01.png";
+  write_file(folder() / "pairs.csv", "one," + second + "\n");
+  EXPECT_EQ(plan_comparison(inputs).pairs[0].real.picture, second);
+}
+
 TEST_F(PlanComparison, TakesMasksOfSinglePicturesFromTheCsvFile) {
   add("a/one.png");
   add("a/two.png");

@@ -95,6 +95,17 @@ TEST_F(CoverStudy, TellsWhatTheViewsInspect) {
   EXPECT_NEAR(result["smallest_defect"]["median_um"].get<double>(), 1200.0, 10.0);
 }
 
+// A hundredth of the light is dark as it is, and bright at the exposure that its pictures have.
+TEST_F(CoverStudy, JudgesLightAtTheExposureOfThePictures) {
+  std::string dim = kPlate;
+  dim.replace(dim.find("[lighting.environment]"),
+              std::string("[lighting.environment]").size(),
+              "[lighting.environment]\nradiance = [0.01]");
+  EXPECT_EQ(cover(dim)["c1"], 0.0);
+  EXPECT_NEAR(
+      cover(dim + "[sensor]\nexpose_to = 0.9\n")["c1"].get<double>(), 4800.0 / 5200.0, 1e-3);
+}
+
 TEST_F(CoverStudy, WritesItsFiles) {
   const Json result = cover(kPlate);
   const fs::path out = folder_ / "out";

@@ -80,9 +80,10 @@ TEST(ReadKnownDefects, ProjectsThemIntoThePicture) {
     {"id": 0, "label": "dent_1", "kind": "dent", "centre_mm": [0, 0, 0], "area_px": 78.5398163},
     {"id": 1, "label": "scratch_1", "kind": "scratch", "centre_mm": [2, 0, 0],
      "direction": [1, 0, 0], "length_mm": 2.1, "width_mm": 0.1, "area_px": 20.7853982},
-    {"id": 2, "label": "dent_2", "kind": "dent", "centre_mm": [80, 0, 0], "area_px": 78.5}]})");
+    {"id": 2, "label": "dent_2", "kind": "dent", "centre_mm": [80, 0, 0], "area_px": 78.5},
+    {"id": 3, "label": "dent_3", "kind": "dent", "centre_mm": [1, 0, -9], "area_px": 0}]})");
   const auto known = read_known_defects(folder / "defects.json", folder / "scene.toml");
-  ASSERT_EQ(known.size(), 2U) << "the third lies outside the picture";
+  ASSERT_EQ(known.size(), 2U) << "the third lies outside the picture, the fourth on the far side";
   EXPECT_EQ(known[0].label, "dent_1");
   EXPECT_NEAR(known[0].middle_px().x(), 50.0, 0.01);
   EXPECT_NEAR(known[0].middle_px().y(), 25.0, 0.01);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/csv.h"
 #include "core/file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -96,6 +97,17 @@ TEST(PlanCsv, HasARowForEachView) {
   EXPECT_EQ(std::ranges::count(text, '\n'), 3);
   EXPECT_THAT(text, HasSubstr("view_01,planned,7.250,0.08000,5.7296,"));
   EXPECT_THAT(text, HasSubstr("view_02,no_path,,,,,,,,,"));
+}
+
+TEST(PlanCsv, IsReadBackWhateverAReasonHolds) {
+  ViewPlan plan = small_plan();
+  plan.views[1].reason = "safe position \"home\": the forearm, touches the table";
+  const std::vector<CsvRow> rows = parse_csv(plan_csv(plan), "plan.csv");
+  ASSERT_EQ(rows.size(), 3U);
+  for (const CsvRow& row : rows) {
+    EXPECT_EQ(row.size(), rows[0].size());
+  }
+  EXPECT_EQ(rows[2].back().text, plan.views[1].reason);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 namespace glint {
 namespace {
 
+using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
 
 std::string error_of(const std::filesystem::path& folder) {
@@ -64,6 +65,28 @@ TEST(RealPictures, TakesTheMeanOfAScan) {
   write_file(folder.path() / "acquired.json", acquired_json());
   EXPECT_EQ(read_real_design("ring", folder.path()).views[0].picture,
             folder.path() / "views/a_b/aspect.png");
+}
+
+// Two frames of it are there, and no mean.
+TEST(RealPictures, LeavesOutAScanThatWasCutShort) {
+  const TemporaryFolder folder;
+  make_folder(folder.path() / "views/a");
+  make_folder(folder.path() / "views/b");
+  Json pictures = Json::array();
+  for (const auto& [view, position] : {std::pair{"a", 0}, std::pair{"a", 1}, std::pair{"b", 0}}) {
+    const std::string file = std::string("views/") + view + "/" + std::to_string(position) + ".png";
+    write_file(folder.path() / file, "x");
+    pictures.push_back(picture_json({.view = view, .position = position, .file = file}));
+  }
+  Json json = {{"kind", "acquired"}, {"status", "partial"}, {"twin", true}, {"pictures", pictures}};
+  write_file(folder.path() / "acquired.json", json.dump());
+  const RealDesign design = read_real_design("ring", folder.path());
+  ASSERT_EQ(design.views.size(), 1U);
+  EXPECT_EQ(design.views[0].name, "b");
+  EXPECT_THAT(design.notes, testing::Contains(HasSubstr("ring: a is not whole")));
+  json["status"] = "stopped";
+  write_file(folder.path() / "acquired.json", json.dump());
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("has no accepted picture"));
 }
 
 TEST(RealPictures, ReadsTheStepOfTheCameraOffTheFirstFrame) {

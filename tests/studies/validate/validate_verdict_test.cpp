@@ -45,6 +45,16 @@ TEST(Verdict, AgreesAfterARefitOfTheExposure) {
   EXPECT_TRUE(verdict.faults[0].is_within);
 }
 
+// Variances add: 2 px of more blur are 4 px2, 0.8 px are 0.64.
+TEST(Verdict, ComparesBlurWithItsLimitInPixels) {
+  ValidationFindings findings = alike();
+  findings.limits.blur_px = 1.0;
+  findings.blur_px2 = -0.64;
+  EXPECT_EQ(judge(findings).agreement, SidesAgreement::kAgrees);
+  findings.blur_px2 = -4.0;
+  EXPECT_EQ(judge(findings).agreement, SidesAgreement::kDisagrees);
+}
+
 /// Ring, dome and one that is dark, as bright as told against the others.
 ValidationFindings with_a_dark_one(double exposure, double rounding) {
   ValidationFindings findings = alike();

@@ -46,6 +46,16 @@ Json refused_json(const std::vector<PlannedView>& refused) {
   return list;
 }
 
+/// Views of the cell that cannot be taken, as refused_json() tells poses.
+Json unplanned_json(const Json& unplanned) {
+  Json list = Json::array();
+  for (const Json& view : unplanned) {
+    list.push_back(
+        {{"pose", view["view"]}, {"outcome", view["outcome"]}, {"reason", view["reason"]}});
+  }
+  return list;
+}
+
 class CellCalibration {
  public:
   CellCalibration(const CalibrateCellOptions& options, const MotionPermit& permit)
@@ -92,6 +102,9 @@ class CellCalibration {
     if (taken["status"] == "stopped") {
       end_ = taken["end"];
       return "stopped";
+    }
+    if (round == 1) {
+      refused_ = unplanned_json(taken.value("unplanned", Json::array()));
     }
     take_over(round);
     const Json calibration = calibrate();

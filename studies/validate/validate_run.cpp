@@ -71,7 +71,16 @@ class ValidateRun {
     fit_all();
     const ValidateVerdict verdict = judge(findings_);
     sources_.notes.insert(sources_.notes.end(), verdict.notes.begin(), verdict.notes.end());
+    const bool is_of_twin = std::ranges::any_of(
+        sources_.designs, [](const ValidatedDesign& design) { return design.real.is_of_twin; });
+    if (is_of_twin) {
+      sources_.notes.emplace_back(
+          "The pictures are a simulated twin's: they tell how the cell's programs work together, "
+          "and "
+          "nothing of a real part.");
+    }
     Json result = result_json(verdict);
+    result["twin"] = is_of_twin;
     result["refit"] = options_.is_refitting ? refit(stage.path()) : Json(nullptr);
     result["pairs"] = pairs_;
     result["notes"] = sources_.notes;

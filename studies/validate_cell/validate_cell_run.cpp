@@ -54,7 +54,10 @@ Json validate_in_cell(const ValidateCellOptions& options, const MotionPermit& pe
     scenes.erase(next);
     acquire.out = validate.pictures / name;
     Json taken = acquire_pictures(acquire, prototypes, permit);
-    if (taken["ok"] == false) {
+    // Views that cannot be taken, and pictures that were rejected, are told beside those that were.
+    const bool has_pictures =
+        taken["status"] == "partial" && taken["counts"]["accepted"].get<int>() > 0;
+    if (taken["ok"] == false && !has_pictures) {
       taken["design"] = name.string();
       taken["agreement"] = nullptr;
       return taken;

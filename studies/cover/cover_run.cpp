@@ -61,8 +61,11 @@ class CoverRun {
       return std::nullopt;
     }
     PodReference pod = read_pod(options_.pod);
-    const Study run = load_study(options_.pod / "study.resolved.toml", {});
-    pod.pixel_mm = lens_geometry(run.scene.camera, run.scene.lens).object_pixel_mm;
+    // The best one may be a prototype with a camera of its own.
+    const fs::path own = options_.pod / pod.design / "scene.toml";
+    const SceneSettings seen =
+        load_study(fs::exists(own) ? own : options_.pod / "study.resolved.toml", {}).scene;
+    pod.pixel_mm = lens_geometry(seen.camera, seen.lens).object_pixel_mm;
     return pod;
   }
 

@@ -210,6 +210,13 @@ TEST_F(CoverStudy, FollowsAStudyOfDetection) {
       covered_faces(read_file(folder_ / "out/coverage.ply"), result["points"].get<std::size_t>());
   const auto finest = std::ranges::max(faces, {}, &CoveredFace::smallest_um);
   EXPECT_NEAR(finest.smallest_um, 4000.0, 60.0);
+  // The best design is a prototype whose camera sees twice as finely: 2 mm are 20 of its pixels.
+  make_folder(folder_ / "pod/best");
+  write_file(folder_ / "pod/best/scene.toml",
+             "[camera]\nobject_pixel_mm = 0.1\nworking_distance_mm = 300\n");
+  EXPECT_NEAR(cover(kPlate, folder_ / "pod")["smallest_defect"]["median_um"].get<double>(),
+              8000.0,
+              80.0);
 }
 
 TEST_F(CoverStudy, RefusesAStudyOfDetectionThatIsNone) {

@@ -213,6 +213,13 @@ ComparePlan plan_comparison(const CompareInputs& inputs) {
     std::ranges::for_each(reals, [&](const CompareSource& real) { add(simulated[0], real); });
     return plan;
   }
+  // Views or designs of a run against one photograph: which of them is like it?
+  if (reals.size() == 1 && std::ranges::all_of(simulated, &CompareSource::is_rendered)) {
+    std::ranges::for_each(simulated, [&](const CompareSource& source) { add(source, reals[0]); });
+    plan.notes.push_back(
+        fmt::format("One real picture goes with all {} simulated ones", simulated.size()));
+    return plan;
+  }
   const std::set<std::string> names = names_of(reals);
   const bool has_names =
       names.size() == reals.size() && names_of(simulated).size() == simulated.size();

@@ -48,7 +48,7 @@ struct ComparePlan {
 std::vector<CompareSource> compare_sources(const std::filesystem::path& path);
 
 /// Pairs by the CSV file where there is one; else one simulated picture with every real one; else
-/// by equal names; else, of equal numbers, by order.
+/// one real picture with every rendered one; else by equal names; else, of equal numbers, by order.
 /// @throws ConfigError naming the picture that has no partner, IoError
 ComparePlan plan_comparison(const CompareInputs& inputs);
 

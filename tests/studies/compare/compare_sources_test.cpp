@@ -67,6 +67,20 @@ TEST_F(PlanComparison, PairsEqualNumbersByOrderAndSaysSo) {
   EXPECT_EQ(plan.notes.size(), 1U);
 }
 
+TEST_F(PlanComparison, PutsOnePhotographBesideEachDesignOfARun) {
+  for (const char* design : {"baseline", "winner"}) {
+    add(std::string("run/") + design + "/aspect.png");
+    write_file(folder() / "run" / design / "scene.toml", "schema = 1\n");
+  }
+  add("photo.png");
+  const ComparePlan plan =
+      plan_comparison({.simulated = folder() / "run", .reals = {folder() / "photo.png"}});
+  ASSERT_EQ(plan.pairs.size(), 2U);
+  EXPECT_EQ(plan.pairs[1].simulated.name, "winner");
+  EXPECT_EQ(plan.pairs[1].real.name, "photo");
+  EXPECT_EQ(plan.notes.size(), 1U);
+}
+
 TEST_F(PlanComparison, NamesThePictureWithoutAPartner) {
   add("a/one.png");
   add("a/two.png");

@@ -188,6 +188,12 @@ void fit_response(std::span<const LevelStatistics> levels, PhotonTransfer& resul
     result.responsivity_dn = photons_dn / photons;
     result.quantum_efficiency = result.responsivity_dn / result.fit.slope;
   }
+  if (points.x.empty()) {
+    throw ConfigError(
+        fmt::format("no bright level lies between 5 and 95 % of saturation ({:.6g} DN): take "
+                    "pictures up to saturation; or the codes have fewer bits than that",
+                    result.saturation_dn));
+  }
   const auto [low, high] = std::ranges::minmax(points.x);
   if (points.x.size() < 3 || !(high > low)) {
     result.warnings.emplace_back("the levels do not differ in exposure: linearity is not known");

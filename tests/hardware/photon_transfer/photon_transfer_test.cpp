@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -108,6 +109,19 @@ TEST(PhotonTransfer, RefusesWhatSaysNothingOfNoise) {
     level.temporal_variance_dn2 = 5.0 - 1e-4 * level.mean_dn;
   }
   EXPECT_THROW(photon_transfer(quiet, model.full_dn), ConfigError);
+}
+
+/// Three bright levels of at most 85 of 4095 DN, as of codes of 8 bits that are read as 12.
+TEST(PhotonTransfer, RefusesLevelsThatAreAllFarBelowSaturation) {
+  const Model model;
+  try {
+    photon_transfer(model.series(0.3), model.full_dn);
+    FAIL() << "no error";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("between 5 and 95 % of saturation (4095 DN)"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(FittedLine, WeighsItsPoints) {

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/SVD>
 
 #include "core/text.h"
 #include "core/units.h"
+#include "hardware/poses/pose_reading.h"
 
 namespace glint {
 namespace {
@@ -20,19 +20,20 @@ constexpr std::array<std::string_view, 3> kDirections = {
 constexpr std::array<std::string_view, 6> kRotations = {
     "auto", "matrix", "quaternion_wxyz", "quaternion_xyzw", "rotation_vector", "euler"};
 constexpr std::array<std::string_view, 3> kAngles = {"auto", "rad", "deg"};
-constexpr double kMostFromRotation = 0.01;  ///< of an element of R R^T - 1; rounding leaves 1e-3
 constexpr double kMostReachInMetres = 10.0;
 constexpr double kLeastReachInMm = 10.0;
 constexpr double kLargestNumber = 1e6;  ///< of a pose: no robot reaches a kilometre
 constexpr double kFullTurnRad = 2.0 * kPi;
+constexpr double kLooksLikeRadians = 3.2;  ///< where no angle is larger
+
+/// Of Euler angles, those of most robots first.
+constexpr std::array<const char*, 12> kEulerOrders = {
+    "zyx", "xyz", "zyz", "zxz", "xzy", "yxz", "yzx", "zxy", "xyx", "xzx", "yxy", "yzy"};
+constexpr std::size_t kLikelyOrders = 3;
 
 template <class Enum, std::size_t N>
 std::string_view name_of(Enum value, const std::array<std::string_view, N>& names) {
   return names[static_cast<std::size_t>(value)];
-}
-
-bool is_matrix(const WrittenPose& pose) {
-  return pose.numbers.size() == 12 || pose.numbers.size() == 16;
 }
 
 std::size_t count_for(PoseRotation rotation) {
@@ -52,16 +53,11 @@ bool has_angles(PoseRotation rotation) {
   return rotation == PoseRotation::kRotationVector || rotation == PoseRotation::kEuler;
 }
 
-Eigen::Vector3d position_of(const WrittenPose& pose) {
-  const auto& n = pose.numbers;
-  return is_matrix(pose) ? Eigen::Vector3d(n[3], n[7], n[11]) : Eigen::Vector3d(n[0], n[1], n[2]);
-}
-
 /// Of all poses, in their unit.
 double median_reach(std::span<const WrittenPose> poses) {
   std::vector<double> reaches;
   for (const WrittenPose& pose : poses) {
-    reaches.push_back(position_of(pose).norm());
+    reaches.push_back(written_position(pose).norm());
   }
   const auto middle = reaches.begin() + static_cast<std::ptrdiff_t>(reaches.size() / 2);
   std::ranges::nth_element(reaches, middle);
@@ -154,10 +150,19 @@ void resolve_rotation(std::span<const WrittenPose> poses, ResolvedConvention& re
     rotation = PoseRotation::kEuler;
   }
   resolved.told.push_back(fmt::format(
-      "rotation = \"{}\"{}: guessed from {} numbers a pose",
-      name_of(rotation, kRotations),
-      is_far ? fmt::format(" in the order \"{}\"", resolved.convention.euler_order) : "",
-      count));
+      "rotation = \"{}\": guessed from {} numbers a pose", name_of(rotation, kRotations), count));
+}
+
+bool is_order_said(const PoseConvention& convention) {
+  return convention.written.contains("euler_order") ||
+         convention.euler_order != PoseConvention{}.euler_order;
+}
+
+void tell_order(ResolvedConvention& resolved) {
+  const PoseConvention& convention = resolved.convention;
+  if (convention.rotation == PoseRotation::kEuler && !is_order_said(convention)) {
+    resolved.told.push_back(fmt::format("euler_order = \"{}\": assumed", convention.euler_order));
+  }
 }
 
 /// Radians that are too large, degrees that are too small. @param largest  of all angles
@@ -173,7 +178,6 @@ void check_angle(std::span<const WrittenPose> poses, PoseAngle angle, double lar
                     "allowed is angle = \"deg\"",
                     shortest(largest)));
   }
-  constexpr double kLooksLikeRadians = 3.2;
   if (angle == PoseAngle::kDegree && poses.size() > 2 && largest < kLooksLikeRadians) {
     refuse_key(
         poses.front().place,
@@ -227,96 +231,47 @@ void resolve_unit(std::span<const WrittenPose> poses, ResolvedConvention& resolv
   }
 }
 
-/// The rotation nearest to a matrix, where it is one to rounding.
-Eigen::Matrix3d checked_rotation(const Eigen::Matrix3d& matrix, const Place& place) {
-  const double off =
-      (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(off <= kMostFromRotation)) {
-    refuse_key(
-        place,
-        "pose",
-        fmt::format("its matrix is no rotation: rows times rows differ from 1 by {:.3g}, at most "
-                    "{} is allowed",
-                    off,
-                    kMostFromRotation));
+/// The guess, and how else its rotations may be meant.
+std::vector<PoseConvention> rotation_readings(const PoseConvention& guess,
+                                              const PoseConvention& said) {
+  const bool is_guessed = said.rotation == PoseRotation::kAuto;
+  std::vector<PoseConvention> readings = {guess};
+  const auto add = [&](PoseRotation rotation, const std::string& order) {
+    readings.push_back(guess);
+    readings.back().rotation = rotation;
+    readings.back().euler_order = order;
+  };
+  if (is_guessed && guess.rotation == PoseRotation::kQuaternionXyzw) {
+    add(PoseRotation::kQuaternionWxyz, guess.euler_order);
   }
-  if (matrix.determinant() < 0.0) {
-    refuse_key(
-        place, "pose", "its matrix is no rotation but a mirror: the determinant is -1, must be 1");
+  if (is_guessed && guess.rotation == PoseRotation::kEuler) {
+    add(PoseRotation::kRotationVector, guess.euler_order);
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return svd.matrixU() * svd.matrixV().transpose();
-}
-
-Eigen::Matrix3d matrix_rotation(const WrittenPose& pose) {
-  const auto& n = pose.numbers;
-  if (n.size() == 16) {
-    const double off = std::abs(n[12]) + std::abs(n[13]) + std::abs(n[14]) + std::abs(n[15] - 1.0);
-    if (off > 1e-9) {
-      refuse_key(pose.place, "pose", "the last row of its matrix must be 0, 0, 0, 1");
+  const bool is_euler = guess.rotation == PoseRotation::kEuler;
+  if (!is_euler && !(is_guessed && guess.rotation == PoseRotation::kRotationVector)) {
+    return readings;
+  }
+  for (std::size_t i = 0; i < (is_euler ? kEulerOrders.size() : kLikelyOrders); ++i) {
+    const bool is_guess = is_euler && kEulerOrders[i] == guess.euler_order;
+    const bool is_allowed = !is_order_said(said) || kEulerOrders[i] == said.euler_order;
+    if (!is_guess && is_allowed) {
+      add(PoseRotation::kEuler, kEulerOrders[i]);
     }
   }
-  Eigen::Matrix3d matrix;
-  matrix << n[0], n[1], n[2], n[4], n[5], n[6], n[8], n[9], n[10];
-  return checked_rotation(matrix, pose.place);
+  return readings;
 }
 
-Eigen::Matrix3d quaternion_rotation(const WrittenPose& pose, bool is_w_first) {
-  const auto& n = pose.numbers;
-  const Eigen::Quaterniond quaternion = is_w_first ? Eigen::Quaterniond(n[3], n[4], n[5], n[6])
-                                                   : Eigen::Quaterniond(n[6], n[3], n[4], n[5]);
-  if (!(std::abs(quaternion.norm() - 1.0) <= kMostFromRotation)) {
-    refuse_key(pose.place,
-               "pose",
-               fmt::format("its quaternion has the length {:.4g}, must be 1", quaternion.norm()));
+/// The reading, and the same with its angles in degrees where they were guessed to be radians.
+std::vector<PoseConvention> angle_readings(const PoseConvention& reading,
+                                           const PoseConvention& said,
+                                           std::span<const WrittenPose> poses) {
+  std::vector<PoseConvention> readings = {reading};
+  if (has_angles(reading.rotation) && said.angle == PoseAngle::kAuto &&
+      reading.angle == PoseAngle::kRadian && largest_angle(poses) >= kLooksLikeRadians) {
+    readings.push_back(reading);
+    readings.back().angle = PoseAngle::kDegree;
   }
-  return quaternion.normalized().toRotationMatrix();
-}
-
-Eigen::Matrix3d vector_rotation(const Eigen::Vector3d& vector_rad) {
-  const double angle = vector_rad.norm();
-  if (angle < 1e-300) {
-    return Eigen::Matrix3d::Identity();
-  }
-  return Eigen::AngleAxisd(angle, vector_rad / angle).toRotationMatrix();
-}
-
-Eigen::Matrix3d euler_rotation(const Eigen::Vector3d& angles_rad, const std::string& order) {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  for (int k = 0; k < 3; ++k) {
-    const Eigen::Vector3d axis = Eigen::Vector3d::Unit(order[static_cast<std::size_t>(k)] - 'x');
-    rotation = rotation * Eigen::AngleAxisd(angles_rad[k], axis).toRotationMatrix();
-  }
-  return rotation;
-}
-
-Eigen::Matrix3d rotation_of(const WrittenPose& pose, const PoseConvention& convention) {
-  switch (convention.rotation) {
-    case PoseRotation::kQuaternionWxyz:
-      return quaternion_rotation(pose, true);
-    case PoseRotation::kQuaternionXyzw:
-      return quaternion_rotation(pose, false);
-    case PoseRotation::kRotationVector:
-    case PoseRotation::kEuler: {
-      const double scale = convention.angle == PoseAngle::kDegree ? kRadPerDeg : 1.0;
-      const Eigen::Vector3d angles =
-          scale * Eigen::Vector3d(pose.numbers[3], pose.numbers[4], pose.numbers[5]);
-      return convention.rotation == PoseRotation::kEuler
-                 ? euler_rotation(angles, convention.euler_order)
-                 : vector_rotation(angles);
-    }
-    default:
-      return matrix_rotation(pose);
-  }
-}
-
-Eigen::Isometry3d tcp_of(const std::vector<double>& numbers) {
-  Eigen::Isometry3d flange_from_tcp = Eigen::Isometry3d::Identity();
-  if (!numbers.empty()) {
-    flange_from_tcp.translation() = Eigen::Vector3d(numbers[0], numbers[1], numbers[2]);
-    flange_from_tcp.linear() = vector_rotation(Eigen::Vector3d(numbers[3], numbers[4], numbers[5]));
-  }
-  return flange_from_tcp;
+  return readings;
 }
 
 bool is_euler_order(const std::string& order) {
@@ -344,6 +299,12 @@ void visit_keys(KeyVisitor& keys, PoseConvention& convention) {
       {.min = 0, .max = 6},
       {},
       "tool's tip the poses are of: x y z in mm, rotation vector in rad; empty: the flange");
+  for (const char* key :
+       {"unit", "direction", "rotation", "angle", "euler_order", "flange_from_tcp"}) {
+    if (keys.is_given(key)) {
+      convention.written.insert(key);
+    }
+  }
   const std::size_t size = convention.flange_from_tcp.size();
   keys.require(size == 0 || size == 6,
                "flange_from_tcp",
@@ -360,6 +321,7 @@ ResolvedConvention resolved_convention(std::span<const WrittenPose> poses,
   check_numbers(poses);
   ResolvedConvention resolved = {.convention = convention, .told = {}};
   resolve_rotation(poses, resolved);
+  tell_order(resolved);
   resolve_angle(poses, resolved);
   resolve_unit(poses, resolved);
   if (convention.direction == PoseDirection::kAuto) {
@@ -376,46 +338,18 @@ ResolvedConvention resolved_convention(std::span<const WrittenPose> poses,
 std::vector<PoseConvention> other_conventions(std::span<const WrittenPose> poses,
                                               const PoseConvention& convention) {
   const PoseConvention guess = resolved_convention(poses, convention).convention;
-  std::vector<PoseConvention> readings = {guess};
-  const auto add = [&](auto change) {
-    for (std::size_t i = 0, size = readings.size(); i < size; ++i) {
-      PoseConvention other = readings[i];
-      change(other);
-      readings.push_back(other);
-    }
-  };
-  if (convention.direction == PoseDirection::kAuto) {
-    add([](PoseConvention& other) { other.direction = PoseDirection::kFlangeFromBase; });
-  }
-  if (convention.rotation == PoseRotation::kAuto &&
-      guess.rotation == PoseRotation::kQuaternionXyzw) {
-    add([](PoseConvention& other) { other.rotation = PoseRotation::kQuaternionWxyz; });
-  } else if (convention.rotation == PoseRotation::kAuto && has_angles(guess.rotation)) {
-    const std::vector<PoseConvention> before = readings;
-    if (guess.rotation == PoseRotation::kEuler) {
-      add([](PoseConvention& other) { other.rotation = PoseRotation::kRotationVector; });
-    }
-    for (const char* order : {"zyx", "xyz", "zyz"}) {
-      for (PoseConvention other : before) {
-        other.rotation = PoseRotation::kEuler;
-        other.euler_order = order;
-        if (guess.rotation != PoseRotation::kEuler || other.euler_order != guess.euler_order) {
-          readings.push_back(other);
-        }
+  std::vector<PoseConvention> readings;
+  for (const PoseConvention& rotation : rotation_readings(guess, convention)) {
+    for (const PoseConvention& angle : angle_readings(rotation, convention, poses)) {
+      readings.push_back(angle);
+      if (convention.direction == PoseDirection::kAuto) {
+        readings.push_back(angle);
+        readings.back().direction = PoseDirection::kFlangeFromBase;
       }
     }
   }
   readings.erase(readings.begin());
   return readings;
-}
-
-Eigen::Isometry3d base_from_flange(const WrittenPose& pose, const PoseConvention& convention) {
-  Eigen::Isometry3d written = Eigen::Isometry3d::Identity();
-  written.linear() = rotation_of(pose, convention);
-  written.translation() = position_of(pose) * (convention.unit == PoseUnit::kMetre ? 1e3 : 1.0);
-  const Eigen::Isometry3d base_from_tcp =
-      convention.direction == PoseDirection::kFlangeFromBase ? written.inverse() : written;
-  return base_from_tcp * tcp_of(convention.flange_from_tcp).inverse();
 }
 
 }  // namespace glint

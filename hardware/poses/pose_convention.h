@@ -4,12 +4,12 @@
 // many ways; what the user does not say is guessed from the numbers, and what was guessed is told.
 #pragma once
 
+#include <functional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <Eigen/Geometry>
 
 #include "core/config/keys.h"
 #include "core/error.h"
@@ -43,6 +43,7 @@ struct PoseConvention {
   /// When the poses are of a tool's tip as set on the pendant: where the tip is on the flange.
   /// Empty or six numbers: x y z in mm, rotation vector in rad.
   std::vector<double> flange_from_tcp;
+  std::set<std::string, std::less<>> written;  ///< keys that somebody wrote, also as the default
 };
 
 void visit_keys(KeyVisitor& keys, PoseConvention& convention);
@@ -59,8 +60,8 @@ struct WrittenPose {
 /// The convention with nothing left open, and for each thing that was guessed one sentence with the
 /// key that overrules it. Guessed are: the unit by the robot's reach (mm when the median distance
 /// from the base is 10 or more), a rotation vector for six numbers, Euler angles in degrees when
-/// one is greater than a whole turn in radians, a quaternion with w last for seven numbers, and
-/// base_from_flange.
+/// one is greater than a whole turn in radians, their order zyx, a quaternion with w last for seven
+/// numbers, and base_from_flange.
 struct ResolvedConvention {
   PoseConvention convention;
   std::vector<std::string> told;
@@ -77,10 +78,5 @@ ResolvedConvention resolved_convention(std::span<const WrittenPose> poses,
 /// comparing them by how well they agree with the pictures. Changes only what was left open.
 std::vector<PoseConvention> other_conventions(std::span<const WrittenPose> poses,
                                               const PoseConvention& convention);
-
-/// base_from_flange of one pose, in mm.
-/// @param convention  resolved
-/// @throws ConfigError with the place: no rotation (by how much), no unit quaternion
-Eigen::Isometry3d base_from_flange(const WrittenPose& pose, const PoseConvention& convention);
 
 }  // namespace glint

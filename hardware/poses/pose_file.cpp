@@ -9,17 +9,18 @@
 
 #include "core/config/located_json.h"
 #include "core/config/toml.h"
-#include "core/csv.h"
 #include "core/file.h"
+#include "core/text.h"
+#include "hardware/poses/convention_merge.h"
 #include "hardware/poses/located_yaml.h"
+#include "hardware/poses/pose_reading.h"
+#include "hardware/poses/pose_table.h"
 
 namespace glint {
 namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 4> kNameKeys = {"name", "picture", "file", "image"};
-constexpr std::array<std::string_view, 4> kStampKeys = {"stamp_s", "stamp", "time", "timestamp"};
 constexpr std::array<std::string_view, 3> kPoseKeys = {
     "pose", "base_from_flange", "flange_from_base"};
 
@@ -85,9 +86,9 @@ void set_direction(PoseFile& file, std::string_view key, const Place& place) {
 
 /// One key of a pose's table.
 void read_key(const std::string& key, const ConfigNode& item, WrittenPose& pose, PoseFile& file) {
-  if (is_one_of(key, kNameKeys)) {
+  if (is_one_of(key, kPoseNameKeys)) {
     pose.name = text_of(item, key);
-  } else if (is_one_of(key, kStampKeys)) {
+  } else if (is_one_of(key, kPoseStampKeys)) {
     if (!item.is_number()) {
       refuse_key(item.place, key, "must be a number of seconds");
     }
@@ -104,8 +105,8 @@ void read_key(const std::string& key, const ConfigNode& item, WrittenPose& pose,
     refuse_key(item.place,
                key,
                fmt::format("unknown key, known are {}, {}, {}",
-                           quoted_list(kNameKeys),
-                           quoted_list(kStampKeys),
+                           quoted_list(kPoseNameKeys),
+                           quoted_list(kPoseStampKeys),
                            quoted_list(kPoseKeys)));
   }
 }
@@ -188,128 +189,7 @@ PoseFile poses_of_tree(const ConfigNode& root, const std::string& name) {
   return file;
 }
 
-// --- CSV -----------------------------------------------------------------------------------------
-
-/// What the columns hold.
-struct Columns {
-  std::optional<std::size_t> name;
-  std::optional<std::size_t> stamp;
-  std::size_t count = 0;
-
-  bool is_number(std::size_t column) const { return column != name && column != stamp; }
-};
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return text;
-}
-
-/// A line of nothing but words is a head.
-bool is_head(const CsvRow& row) {
-  return row.size() > 1 && std::ranges::none_of(row, [](const CsvField& field) {
-           return field.number().has_value();
-         });
-}
-
-Columns head_columns(const CsvRow& head, PoseConvention& convention) {
-  Columns columns = {.count = head.size()};
-  std::optional<std::size_t> qx;
-  std::optional<std::size_t> qw;
-  for (std::size_t i = 0; i < head.size(); ++i) {
-    const std::string word = lower(head[i].text);
-    if (is_one_of(word, kNameKeys)) {
-      columns.name = i;
-    } else if (is_one_of(word, kStampKeys)) {
-      columns.stamp = i;
-    } else if (word == "qw") {
-      qw = i;
-    } else if (word == "qx") {
-      qx = i;
-    }
-  }
-  if (qx && qw) {
-    convention.rotation = *qw < *qx ? PoseRotation::kQuaternionWxyz : PoseRotation::kQuaternionXyzw;
-  }
-  return columns;
-}
-
-/// Without a head: a first column of words is names, and so is one too many of numbers.
-Columns plain_columns(const std::vector<CsvRow>& rows) {
-  Columns columns = {.count = rows.front().size()};
-  const bool has_words = std::ranges::any_of(
-      rows, [](const CsvRow& row) { return !row.front().number().has_value(); });
-  if (has_words || columns.count == 8 || columns.count == 13 || columns.count == 17) {
-    columns.name = 0;
-  }
-  return columns;
-}
-
-WrittenPose row_pose(const CsvRow& row, const Columns& columns) {
-  if (row.size() != columns.count) {
-    refuse_key(row.front().place,
-               "pose",
-               fmt::format("has {} columns, the first line has {}", row.size(), columns.count));
-  }
-  WrittenPose pose = {.place = row.front().place};
-  for (std::size_t i = 0; i < row.size(); ++i) {
-    if (i == columns.name) {
-      pose.name = row[i].text;
-      continue;
-    }
-    const std::optional<double> number = row[i].number();
-    if (!number) {
-      refuse_key(row[i].place, "pose", fmt::format("'{}' is no number", row[i].text));
-    }
-    if (i == columns.stamp) {
-      pose.has_stamp = true;
-      pose.stamp_s = *number;
-    } else {
-      pose.numbers.push_back(*number);
-    }
-  }
-  return pose;
-}
-
-PoseFile poses_of_csv(std::string_view text, const std::string& name) {
-  PoseFile file;
-  std::vector<CsvRow> rows = parse_csv(text, name, '#');
-  if (rows.empty()) {
-    return file;
-  }
-  Columns columns;
-  if (is_head(rows.front())) {
-    columns = head_columns(rows.front(), file.convention);
-    rows.erase(rows.begin());
-  } else {
-    columns = plain_columns(rows);
-  }
-  for (const CsvRow& row : rows) {
-    file.poses.push_back(row_pose(row, columns));
-  }
-  return file;
-}
-
 // --- All files -----------------------------------------------------------------------------------
-
-void merge_choice(auto& known, const auto& said) {
-  if (said != std::remove_cvref_t<decltype(said)>{}) {
-    known = said;
-  }
-}
-
-PoseConvention overruled(PoseConvention known, const PoseConvention& said) {
-  merge_choice(known.unit, said.unit);
-  merge_choice(known.direction, said.direction);
-  merge_choice(known.rotation, said.rotation);
-  merge_choice(known.angle, said.angle);
-  merge_choice(known.flange_from_tcp, said.flange_from_tcp);
-  if (said.euler_order != PoseConvention{}.euler_order) {
-    known.euler_order = said.euler_order;
-  }
-  return known;
-}
 
 std::string place_text(const WrittenPose& pose) {
   return fmt::format("{}:{}", pose.place.file, pose.place.line);
@@ -352,7 +232,7 @@ void check_doubled(std::span<const WrittenPose> poses) {
 PoseFile parse_pose_file(std::string_view text, const std::string& file, std::string_view ending) {
   const std::string name = fs::path(file).stem().string();
   if (ending == ".csv") {
-    return poses_of_csv(text, file);
+    return parse_pose_table(text, file);
   }
   if (ending == ".json") {
     return poses_of_tree(parse_located_json(text, file), name);
@@ -394,14 +274,16 @@ RobotPoses robot_poses(const PoseFile& written, const PoseConvention& said) {
 
 RobotPoses read_poses(std::span<const fs::path> files, const PoseConvention& said) {
   PoseFile all;
+  FileConventions conventions(said);
   for (const fs::path& file : files) {
     PoseFile one = parse_pose_file(read_file(file), file.string(), file.extension().string());
     if (one.poses.empty()) {
       throw ConfigError(file.string() + ": poses: there is none, at least one is needed");
     }
     all.poses.insert(all.poses.end(), one.poses.begin(), one.poses.end());
-    all.convention = overruled(all.convention, one.convention);
+    conventions.add(one.convention, file.string());
   }
+  all.convention = conventions.all();
   return robot_poses(all, said);
 }
 

@@ -4,8 +4,8 @@
 //
 //   CSV   one pose a line: name (optional), then its numbers. A head line is optional; it may name
 //   a
-//         column "picture", "file" or "name", one "stamp" or "time", and the four numbers of a
-//         quaternion "qx" ... "qw", whose order it then tells. Lines with '#' do not count.
+//         column "picture", "file" or "name", one "stamp" or "time", and the columns of numbers,
+//         which then may stand in any order (pose_table.h). Lines with '#' do not count.
 //   JSON, TOML   a list of poses, or one below "pose" or "poses"; beside it [convention]. A pose is
 //   a
 //         list of numbers, a list of rows, or a table: name or picture, stamp_s, and one of
@@ -54,10 +54,11 @@ struct RobotPoses {
   std::vector<PoseConvention> otherwise;  ///< see other_conventions()
 };
 
-/// Reads files in their order. What the user says wins over what a file says.
+/// Reads files in their order. What the user says wins over what a file says, also where it is the
+/// default; what one file says holds for all.
 /// @param files  at least one
 /// @throws ConfigError with places: see resolved_convention() and base_from_flange(); also for two
-/// poses with one name or one time stamp. IoError
+/// poses with one name or one time stamp, and files whose conventions contradict. IoError
 RobotPoses read_poses(std::span<const std::filesystem::path> files, const PoseConvention& said);
 
 /// The poses of files that were read.

@@ -11,6 +11,7 @@
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "hardware/poses/pose_pairing.h"
+#include "hardware/poses/pose_reading.h"
 #include "studies/calibrate/corner_file.h"
 #include "studies/report/report.h"
 

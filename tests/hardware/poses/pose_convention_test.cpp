@@ -5,6 +5,7 @@
 
 #include "core/rng.h"
 #include "core/units.h"
+#include "hardware/poses/pose_reading.h"
 
 namespace glint {
 namespace {
@@ -87,9 +88,37 @@ TEST(PoseConvention, OffersRotationVectorsInDegrees) {
   const PoseConvention said = {.direction = PoseDirection::kBaseFromFlange};
   EXPECT_EQ(resolved_convention(poses, said).convention.rotation, PoseRotation::kEuler);
   const auto others = other_conventions(poses, said);
-  ASSERT_EQ(others.size(), 3U);  // that and two other orders
+  ASSERT_EQ(others.size(), 12U);  // that and eleven other orders
   EXPECT_EQ(others[0].rotation, PoseRotation::kRotationVector);
   EXPECT_EQ(others[0].angle, PoseAngle::kDegree);
+}
+
+/// Euler angles whose order nobody told are read as zyx, which is told; the others are offered.
+TEST(PoseConvention, TellsTheOrderOfEulerAnglesAndOffersTheOthers) {
+  const std::vector<WrittenPose> poses = {pose_of({100, 200, 400, 90, 20, -30})};
+  PoseConvention said = {.direction = PoseDirection::kBaseFromFlange,
+                         .rotation = PoseRotation::kEuler,
+                         .angle = PoseAngle::kDegree};
+  EXPECT_THAT(resolved_convention(poses, said).told, Contains("euler_order = \"zyx\": assumed"));
+  const auto others = other_conventions(poses, said);
+  ASSERT_EQ(others.size(), 11U);
+  EXPECT_EQ(others[0].euler_order, "xyz");
+  said.written = {"euler_order"};
+  EXPECT_THAT(resolved_convention(poses, said).told,
+              testing::Not(Contains(HasSubstr("euler_order"))));
+  EXPECT_TRUE(other_conventions(poses, said).empty());
+}
+
+TEST(PoseConvention, OffersDegreesWhereSmallAnglesWereTakenForRadians) {
+  const std::vector<WrittenPose> poses = {pose_of({100, 200, 400, 5, 2, -3})};
+  PoseConvention said = {.direction = PoseDirection::kBaseFromFlange,
+                         .rotation = PoseRotation::kRotationVector};
+  EXPECT_EQ(resolved_convention(poses, said).convention.angle, PoseAngle::kRadian);
+  const auto others = other_conventions(poses, said);
+  ASSERT_EQ(others.size(), 1U);
+  EXPECT_EQ(others[0].angle, PoseAngle::kDegree);
+  said.angle = PoseAngle::kRadian;
+  EXPECT_TRUE(other_conventions(poses, said).empty());
 }
 
 TEST(PoseConvention, EulerAnglesTurnAboutTheAxesAsTheyHaveBeenTurned) {

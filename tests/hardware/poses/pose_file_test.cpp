@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <fstream>
+#include <tuple>
+#include <utility>
 
 namespace glint {
 namespace {
@@ -11,6 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 RobotPoses read(const std::string& text,
                 const std::string& ending,
@@ -72,6 +76,105 @@ TEST(PoseFile, TakesTheFilesConventionAndTheUsersBeforeIt) {
   EXPECT_EQ(by_file.convention.direction, PoseDirection::kFlangeFromBase);
   EXPECT_NEAR(by_file.poses[0].base_from_flange.translation().x(), -400.0, 1e-9);
   expect_pose(read(text, ".toml", {.direction = PoseDirection::kBaseFromFlange}), "");
+}
+
+/// What a user says, written as a file's convention is.
+PoseConvention convention_of(const std::string& keys) {
+  return parse_pose_file("[convention]\n" + keys + "\n[[pose]]\npose = [1, 2, 3, 0, 0, 0]\n",
+                         "said.toml",
+                         ".toml")
+      .convention;
+}
+
+/// Also where the user says the default.
+TEST(PoseFile, TheUserOverrulesEachKeyOfAFile) {
+  const std::string file =
+      "[convention]\nunit = \"mm\"\ndirection = \"flange_from_base\"\nrotation = \"euler\"\n"
+      "angle = \"rad\"\neuler_order = \"xyz\"\nflange_from_tcp = [0, 0, 9, 0, 0, 0]\n"
+      "[[pose]]\npose = [30, 40, 0, 1, 2, 3]\n[[pose]]\npose = [9, 9, 9, 4, 5, 6]\n";
+  const auto by = [&](const std::string& keys) {
+    return read(file, ".toml", convention_of(keys)).convention;
+  };
+  const PoseConvention kept = by("");
+  EXPECT_EQ(kept.euler_order, "xyz");
+  EXPECT_EQ(kept.flange_from_tcp.size(), 6U);
+  EXPECT_EQ(by("euler_order = \"zyx\"").euler_order, "zyx");
+  EXPECT_TRUE(by("flange_from_tcp = []").flange_from_tcp.empty());
+  EXPECT_EQ(by("direction = \"base_from_flange\"").direction, PoseDirection::kBaseFromFlange);
+  EXPECT_EQ(by("direction = \"auto\"").direction, PoseDirection::kBaseFromFlange);
+  EXPECT_EQ(by("rotation = \"rotation_vector\"").rotation, PoseRotation::kRotationVector);
+  EXPECT_EQ(by("rotation = \"auto\"").rotation, PoseRotation::kRotationVector);
+  EXPECT_EQ(by("angle = \"deg\"").angle, PoseAngle::kDegree);
+  EXPECT_THAT(file_error(file, ".toml", convention_of("unit = \"m\"")),
+              HasSubstr("unit: is \"m\""));
+}
+
+/// Writes files of poses into a folder of the test and reads them together.
+std::string error_of_files(const std::vector<std::pair<std::string, std::string>>& files,
+                           const PoseConvention& said = {}) {
+  const fs::path folder = fs::path(testing::TempDir()) / "glint_pose_files";
+  fs::create_directories(folder);
+  std::vector<fs::path> paths;
+  for (const auto& [name, text] : files) {
+    paths.push_back(folder / name);
+    std::ofstream(paths.back()) << text;
+  }
+  std::string error = "no error";
+  try {
+    read_poses(paths, said);
+  } catch (const ConfigError& refusal) {
+    error = refusal.what();
+  }
+  fs::remove_all(folder);
+  return error;
+}
+
+TEST(PoseFile, RefusesFilesThatContradictEachOther) {
+  const auto file = [](const std::string& keys) {
+    return "[convention]\n" + keys + "\n[[pose]]\npose = [0, 40, 30, 1, 2, 3]\n";
+  };
+  const std::vector<std::tuple<std::string, std::string, std::string>> slips = {
+      {"unit", "unit = \"mm\"", "unit = \"m\""},
+      {"direction", "direction = \"base_from_flange\"", "direction = \"flange_from_base\""},
+      {"rotation", "rotation = \"euler\"", "rotation = \"rotation_vector\""},
+      {"angle", "angle = \"rad\"", "angle = \"deg\""},
+      {"euler_order", "euler_order = \"zyx\"", "euler_order = \"xyz\""},
+      {"flange_from_tcp", "flange_from_tcp = []", "flange_from_tcp = [0, 0, 9, 0, 0, 0]"}};
+  for (const auto& [key, one, other] : slips) {
+    const std::string error = error_of_files({{"a.toml", file(one)}, {"b.toml", file(other)}});
+    EXPECT_THAT(error, HasSubstr("b.toml: convention." + key + ": differs from that of "));
+    EXPECT_THAT(error, HasSubstr("a.toml;"));
+    EXPECT_EQ(error_of_files({{"a.toml", file(one)}, {"b.toml", file("")}}), "no error") << key;
+    EXPECT_EQ(error_of_files({{"a.toml", file(one)}, {"b.toml", file(other)}}, convention_of(one)),
+              "no error")
+        << key;
+  }
+}
+
+TEST(PoseFile, ReadsTheColumnsOfATableByTheirNames) {
+  expect_pose(read("name,rx,ry,rz,z,y,x\na.png,1,0,0,0,0,400\n", ".csv"), "a.png");
+  expect_pose(read("qz,qw,qy,qx,x,y,z\n0,0.877582561890373,0,0.479425538604203,400,0,0\n", ".csv"),
+              "");
+  expect_pose(read("roll,pitch,yaw,tx,ty,tz\n1,0,0,400,0,0\n", ".csv"), "");
+  expect_pose(read("x,y,z,r11,r12,r13,r21,r22,r23,r31,r32,r33\n400,0,0,1,0,0,0,0.5403023058681398,"
+                   "-0.8414709848078965,0,0.8414709848078965,0.5403023058681398\n",
+                   ".csv"),
+              "");
+  expect_pose(read("x_m,y_m,z_m,rx_rad,ry_rad,rz_rad\n0.4,0,0,1,0,0\n", ".csv"), "");
+  const RobotPoses told = read("x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n400,0,0,1,0,0\n", ".csv");
+  EXPECT_EQ(told.convention.angle, PoseAngle::kDegree);
+  EXPECT_THAT(told.told, Not(Contains(HasSubstr("unit"))));
+  // Names that nobody knows are read by their positions, beside those that are.
+  expect_pose(read("x,y,z,u1,u2,u3\n400,0,0,1,0,0\n", ".csv"), "");
+}
+
+TEST(PoseFile, RefusesATableWhoseNamesContradictTheirPositions) {
+  EXPECT_THAT(file_error("z,y,x,u1,u2,u3\n1,2,3,0,0,0\n", ".csv"),
+              HasSubstr("robot_1.csv:1:1: pose: \"z\" is the name of number 1"));
+  EXPECT_THAT(file_error("x,y,x,rx,ry,rz\n1,2,3,0,0,0\n", ".csv"),
+              HasSubstr("robot_1.csv:1:5: pose: \"x\" is the name of number 3"));
+  EXPECT_THAT(file_error("x_mm,y_m,z_mm,rx,ry,rz\n1,2,3,0,0,0\n", ".csv"),
+              HasSubstr("unit: \"x\" and \"y\" have different units"));
 }
 
 TEST(PoseFile, TellsWhereSomethingIsWrong) {

@@ -17,6 +17,7 @@
 #include "hardware/poses/located_yaml.h"
 #include "hardware/poses/pose_convention.h"
 #include "simulator/camera/camera_settings.h"
+#include "simulator/camera/lens_settings.h"
 
 namespace glint {
 namespace {
@@ -206,7 +207,7 @@ PinholeIntrinsics visp_camera(const ConfigNode& cameras) {
   return intrinsics;
 }
 
-PinholeIntrinsics glint_camera(const ConfigNode& root) {
+CameraFile glint_camera(const ConfigNode& root) {
   const ConfigNode* table = root.find("camera");
   if (table == nullptr) {
     refuse_key(root.place, "camera", "is missing, must be a table [camera] as in a scene");
@@ -216,8 +217,18 @@ PinholeIntrinsics glint_camera(const ConfigNode& root) {
   KeyReader reader(table, "camera", errors);
   visit_keys(reader, settings);
   reader.report_unknown();
+  LensSettings lens;
+  KeyReader lens_reader(root.find("lens"), "lens", errors);
+  visit_keys(lens_reader, lens);
+  lens_reader.report_unknown();
   throw_if_any(errors);
-  return intrinsics_of(settings);
+  CameraFile file = {.intrinsics = intrinsics_of(settings, lens), .kind = "TOML"};
+  if (lens.f_number > 0.0) {
+    const LensGeometry geometry = lens_geometry(settings, lens);
+    file.sharp_near_mm = geometry.near_mm;
+    file.sharp_far_mm = geometry.far_mm;
+  }
+  return file;
 }
 
 CameraFile camera_of(const ConfigNode& root) {
@@ -241,7 +252,7 @@ CameraFile parse_camera_file(std::string_view text,
                              const std::string& file,
                              std::string_view ending) {
   if (ending == ".toml") {
-    return {.intrinsics = glint_camera(parse_toml(text, file)), .kind = "TOML"};
+    return glint_camera(parse_toml(text, file));
   }
   if (ending == ".yaml" || ending == ".yml") {
     return camera_of(parse_located_yaml(text, file));

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Cameras that somebody has calibrated already, from files of others: TOML with the table [camera],
-// OpenCV's and ROS's YAML, OpenCV's and ViSP's XML.
+// Cameras that somebody has calibrated already, from files of others: TOML with the table [camera]
+// and, where a scene has it, [lens]; OpenCV's and ROS's YAML, OpenCV's and ViSP's XML.
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -16,6 +17,9 @@ namespace glint {
 struct CameraFile {
   PinholeIntrinsics intrinsics;  ///< size 0 x 0 where the file does not tell it
   std::string kind;              ///< "TOML", "OpenCV or ROS", "ViSP"
+  /// Where a TOML file's [lens] with f_number shows all sharp to one pixel; not told: everywhere.
+  double sharp_near_mm = 0.0;
+  double sharp_far_mm = std::numeric_limits<double>::infinity();
 };
 
 /// Pixels are counted Glint's way when they come out: OpenCV, ROS and ViSP put the centre of the

@@ -39,7 +39,9 @@ struct View {
 class Photographer {
  public:
   explicit Photographer(const PlanRequest& request) : request_(request), camera_(request.camera) {
-    for (const Vector3d& point : request.board_mm) {
+    shown_mm_ = request.board_mm;
+    shown_mm_.insert(shown_mm_.end(), request.outline_mm.begin(), request.outline_mm.end());
+    for (const Vector3d& point : shown_mm_) {
       low_ = low_.cwiseMin(point);
       high_ = high_.cwiseMax(point);
     }
@@ -47,8 +49,7 @@ class Photographer {
     const double size_mm = (high_ - low_).head<2>().norm();
     const double focal = request.camera.focal_px.mean();
     const int shorter = std::min(request.camera.width_px, request.camera.height_px);
-    near_mm_ = request.near_mm > 0.0 ? request.near_mm : focal * size_mm / (0.9 * shorter);
-    far_mm_ = request.far_mm > 0.0 ? request.far_mm : focal * size_mm / (0.4 * shorter);
+    take_distances(focal * size_mm / (0.9 * shorter), focal * size_mm / (0.4 * shorter));
   }
 
   double near_mm() const { return near_mm_; }
@@ -81,13 +82,26 @@ class Photographer {
   }
 
  private:
+  /// Where the board fills enough of the picture and is sharp; where nothing is both, sharp.
+  void take_distances(double by_size_near_mm, double by_size_far_mm) {
+    sharp_near_mm_ = request_.near_mm > 0.0 ? request_.near_mm : request_.sharp_near_mm;
+    sharp_far_mm_ = request_.far_mm > 0.0 ? request_.far_mm : request_.sharp_far_mm;
+    near_mm_ = std::max(by_size_near_mm, sharp_near_mm_);
+    far_mm_ = std::min(by_size_far_mm, sharp_far_mm_);
+    if (request_.near_mm > 0.0 || near_mm_ >= far_mm_) {
+      near_mm_ = sharp_near_mm_ > 0.0 ? sharp_near_mm_ : by_size_near_mm;
+    }
+    if (request_.far_mm > 0.0 || near_mm_ >= far_mm_) {
+      far_mm_ = std::isfinite(sharp_far_mm_) ? sharp_far_mm_ : by_size_far_mm;
+    }
+  }
+
   bool shows_all(const Isometry3d& pose) const {
     const double margin = request_.margin_px;
-    return std::ranges::all_of(request_.board_mm, [&](const Vector3d& point) {
+    return std::ranges::all_of(shown_mm_, [&](const Vector3d& point) {
       const Vector3d seen = pose * point;
       const auto pixel = camera_.project(seen);
-      const bool is_sharp = (request_.near_mm <= 0.0 || seen.z() >= request_.near_mm) &&
-                            (request_.far_mm <= 0.0 || seen.z() <= request_.far_mm);
+      const bool is_sharp = seen.z() >= sharp_near_mm_ && seen.z() <= sharp_far_mm_;
       return pixel && is_sharp && pixel->x() >= margin && pixel->y() >= margin &&
              pixel->x() <= request_.camera.width_px - margin &&
              pixel->y() <= request_.camera.height_px - margin;
@@ -96,11 +110,14 @@ class Photographer {
 
   const PlanRequest& request_;
   PinholeCamera camera_;
+  std::vector<Vector3d> shown_mm_;
   Vector3d low_ = Vector3d::Constant(kInfinite);
   Vector3d high_ = Vector3d::Constant(-kInfinite);
   Vector3d middle_;
   double near_mm_ = 0.0;
   double far_mm_ = 0.0;
+  double sharp_near_mm_ = 0.0;
+  double sharp_far_mm_ = kInfinite;
 };
 
 View random_view(const PlanRequest& request, const Photographer& photographer, Rng& rng) {
@@ -163,8 +180,10 @@ double log_determinant(const MatrixXd& information) {
              : -kInfinite;
 }
 
-PosePlan plan_of(const PlanRequest& request, const std::vector<Isometry3d>& camera_from_board) {
-  PosePlan plan;
+PosePlan plan_of(const PlanRequest& request,
+                 const Photographer& photographer,
+                 const std::vector<Isometry3d>& camera_from_board) {
+  PosePlan plan{.near_mm = photographer.near_mm(), .far_mm = photographer.far_mm()};
   Bundle bundle = bundle_of(request);
   for (const Isometry3d& pose : camera_from_board) {
     bundle.views.push_back(view_of(request, pose));
@@ -182,18 +201,19 @@ double step_of(double low, double high, int step, int steps) {
   return low + (high - low) * (step + 0.5) / steps;
 }
 
-/// The view of a number of the grid: five distances, tilts about x and y, rolls, 3 x 3 places.
+/// The view of a number of the grid: five distances, tilts, axes of the tilt, rolls, 3 x 3 places.
 View grid_view(const PlanRequest& request, const Photographer& photographer, int number) {
   const auto next = [&number](int steps) {
     const int step = number % steps;
     number /= steps;
     return step;
   };
-  const double tilt = request.tilt_max_rad;
   View view;
   view.place_px = {step_of(0.0, request.camera.width_px, next(3), 3),
                    step_of(0.0, request.camera.height_px, next(3), 3)};
-  view.tilt_rad = {step_of(-tilt, tilt, next(5), 5), step_of(-tilt, tilt, next(5), 5)};
+  const double tilt = step_of(request.tilt_min_rad, request.tilt_max_rad, next(5), 5);
+  const double about = step_of(0.0, 2.0 * std::numbers::pi, next(5), 5);
+  view.tilt_rad = {tilt * std::cos(about), tilt * std::sin(about)};
   view.roll_rad = step_of(-request.roll_rad, request.roll_rad, next(5), 5);
   view.distance_mm = step_of(photographer.near_mm(), photographer.far_mm(), next(5), 5);
   return view;
@@ -223,7 +243,7 @@ PosePlan informative_poses(const PlanRequest& request) {
     chosen.push_back(best->first);
     candidates.erase(best);
   }
-  return plan_of(request, chosen);
+  return plan_of(request, photographer, chosen);
 }
 
 PosePlan strided_poses(const PlanRequest& request) {
@@ -249,7 +269,7 @@ PosePlan strided_poses(const PlanRequest& request) {
     std::swap(chosen[i - 1],
               chosen[static_cast<std::size_t>(rng.uniform() * static_cast<double>(i))]);
   }
-  return plan_of(request, chosen);
+  return plan_of(request, photographer, chosen);
 }
 
 }  // namespace glint

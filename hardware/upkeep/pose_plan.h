@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,12 +17,14 @@
 namespace glint {
 
 struct PlanRequest {
-  PinholeIntrinsics camera;  ///< roughly known
-  /// All places of the board that must be in view and in focus: its inner corners, or the outline.
-  std::vector<Eigen::Vector3d> board_mm;
-  int count = 20;              ///< of poses, >= 1
-  double near_mm = 0.0;        ///< in focus from here, along the view
-  double far_mm = 0.0;         ///< to here; both 0: where the board fills 40 to 90 % of the picture
+  PinholeIntrinsics camera;                 ///< roughly known
+  std::vector<Eigen::Vector3d> board_mm;    ///< corners that are measured, in view and in focus
+  std::vector<Eigen::Vector3d> outline_mm;  ///< what else of the board must be so; may be empty
+  int count = 20;                           ///< of poses, >= 1
+  double near_mm = 0.0;                     ///< in focus from here, along the view
+  double far_mm = 0.0;  ///< to here; 0: where the board fills 90, 40 % of the picture, within ...
+  double sharp_near_mm = 0.0;  ///< ... what the lens shows sharp; 0: not known
+  double sharp_far_mm = std::numeric_limits<double>::infinity();
   double tilt_min_rad = 0.35;  ///< of the board against the view; one pose in eight is not tilted
   double tilt_max_rad = 0.52;
   double roll_rad = 0.7;    ///< about the view, to both sides
@@ -36,6 +39,8 @@ struct PosePlan {
   LensVector lens_sigma = LensVector::Zero();
   double hand_eye_rad = 0.0;  ///< root of the sum of the three axes' variances
   double hand_eye_mm = 0.0;
+  double near_mm = 0.0;  ///< the distances that were tried
+  double far_mm = 0.0;
 };
 
 /// Out of 600 random poses that show the whole board in focus those are taken, one after another,
@@ -44,8 +49,8 @@ struct PosePlan {
 /// @throws ConfigError when hardly any pose shows the whole board
 PosePlan informative_poses(const PlanRequest& request);
 
-/// The same ranges, cut evenly: distance, tilt about both axes, roll and place in the picture on a
-/// grid, of which every n-th that shows the whole board is taken; then shuffled.
+/// The same ranges, cut evenly: distance, tilt and the axis that it is about, roll and place in the
+/// picture on a grid, of which every n-th that shows the whole board is taken; then shuffled.
 /// @throws ConfigError likewise
 PosePlan strided_poses(const PlanRequest& request);
 

@@ -59,6 +59,21 @@ TEST(CameraFile, ReadsTheTableOfAScene) {
   EXPECT_EQ(camera.intrinsics.radial[0], -0.1);
 }
 
+/// 25 mm at f/8, focused at 400 mm: image distance 25 * 400 / 375 = 26.667 mm, pupil 3.125 mm.
+/// A blur of 0.005 mm is 3.125 * 26.667 * |1/400 - 1/z| mm: 1/z = 1/400 +- 6e-5.
+TEST(CameraFile, ReadsWhereTheLensOfASceneIsSharp) {
+  const CameraFile camera = parse_camera_file(
+      "[camera]\nwidth_px = 640\nheight_px = 480\npixel_um = 5\nfocal_mm = 25\n"
+      "object_pixel_mm = 0\n[lens]\nfocus_mm = 400\nf_number = 8\n",
+      "cam.toml",
+      ".toml");
+  EXPECT_NEAR(camera.sharp_near_mm, 1.0 / (1.0 / 400.0 + 6e-5), 1e-6);
+  EXPECT_NEAR(camera.sharp_far_mm, 1.0 / (1.0 / 400.0 - 6e-5), 1e-6);
+  EXPECT_NEAR(camera.intrinsics.focal_px.x(), 25.0 * 400.0 / 375.0 / 0.005, 1e-6);
+  EXPECT_THAT(camera_error("[camera]\nfocal_x_px = 900\n[lens]\nf_number = 8\n", ".toml"),
+              HasSubstr("lens.f_number: needs focus_mm"));
+}
+
 TEST(CameraFile, ReadsAViSPCamera) {
   const fs::path file = fs::path(GLINT_SHARED_DIR) / "data/field/handeye_franka/franka_camera.xml";
   if (!fs::exists(file)) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/upkeep/pose_plan.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -65,10 +66,11 @@ TEST(PosePlan, TiltsAboutBothAxes) {
   EXPECT_LT(largest_tilt(plan, 0), 0.53);
 }
 
+/// Of all terms of the lens together: information is their product, not a single one.
 TEST(PosePlan, ChosenPosesPromiseMoreThanTheSameNumberByStrides) {
   const PosePlan chosen = informative_poses(request());
   const PosePlan strided = strided_poses(request());
-  EXPECT_LT(chosen.lens_sigma[0], strided.lens_sigma[0]);
+  EXPECT_LT(chosen.lens_sigma.array().log().mean(), strided.lens_sigma.array().log().mean());
   EXPECT_LT(chosen.hand_eye_rad, strided.hand_eye_rad);
   PlanRequest more = request();
   more.count = 24;
@@ -83,6 +85,67 @@ TEST(PosePlan, BeginsWithThePlanOfFewerPoses) {
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_TRUE(few.board_from_camera[i].isApprox(many.board_from_camera[i], 0.0));
   }
+}
+
+/// Tilt of the board against the view, of each pose.
+std::vector<double> tilts(const PosePlan& plan) {
+  std::vector<double> all;
+  for (const Eigen::Isometry3d& pose : plan.board_from_camera) {
+    all.push_back(std::acos(std::min(1.0, std::abs(pose.linear()(2, 2)))));
+  }
+  return all;
+}
+
+TEST(PosePlan, StridedPosesKeepToTheTilts) {
+  PlanRequest wanted = request();
+  wanted.count = 40;
+  for (const double tilt : tilts(strided_poses(wanted))) {
+    EXPECT_GE(tilt, wanted.tilt_min_rad - 1e-9);
+    EXPECT_LE(tilt, wanted.tilt_max_rad + 1e-9);
+  }
+  EXPECT_GT(largest_tilt(strided_poses(wanted), 0), 0.3);
+  EXPECT_GT(largest_tilt(strided_poses(wanted), 1), 0.3);
+}
+
+/// The outer squares are seen, but not measured.
+TEST(PosePlan, TheOutlinePromisesNothing) {
+  PlanRequest outlined = request();
+  const Eigen::Vector3d last = outlined.board_mm.back();
+  outlined.outline_mm = {Eigen::Vector3d(-5, -5, 0), last + Eigen::Vector3d(5, 5, 0)};
+  PlanRequest measured = outlined;
+  measured.board_mm.insert(
+      measured.board_mm.end(), outlined.outline_mm.begin(), outlined.outline_mm.end());
+  measured.outline_mm.clear();
+  // The same poses, of which the one plan measures more.
+  const PosePlan less = strided_poses(outlined);
+  const PosePlan more = strided_poses(measured);
+  ASSERT_TRUE(less.board_from_camera[0].isApprox(more.board_from_camera[0], 1e-12));
+  EXPECT_GT(less.lens_sigma[0], 1.0001 * more.lens_sigma[0]);
+  measured.board_mm = outlined.outline_mm;
+  measured.board_mm.insert(
+      measured.board_mm.begin(), outlined.board_mm.begin(), outlined.board_mm.end());
+  expect_all_in_view(measured, informative_poses(outlined));
+}
+
+TEST(PosePlan, StaysWhereTheLensIsSharp) {
+  PlanRequest wanted = request();
+  const PosePlan anywhere = informative_poses(wanted);
+  const double middle = 0.5 * (anywhere.near_mm + anywhere.far_mm);
+  wanted.sharp_near_mm = 0.9 * middle;
+  wanted.sharp_far_mm = 1.1 * middle;
+  const PosePlan plan = informative_poses(wanted);
+  EXPECT_EQ(plan.near_mm, wanted.sharp_near_mm);
+  EXPECT_EQ(plan.far_mm, wanted.sharp_far_mm);
+  PlanRequest told = wanted;
+  told.near_mm = wanted.sharp_near_mm;
+  told.far_mm = wanted.sharp_far_mm;
+  expect_all_in_view(told, plan);
+  // What is said explicitly overrules the lens; a lens that is sharp everywhere changes nothing.
+  told.near_mm = 0.7 * middle;
+  EXPECT_EQ(informative_poses(told).near_mm, told.near_mm);
+  wanted.sharp_near_mm = 1.0;
+  wanted.sharp_far_mm = 1e6;
+  EXPECT_EQ(informative_poses(wanted).near_mm, anywhere.near_mm);
 }
 
 /// Error of fx of a calibration from the planned poses, in standard deviations that were promised.

@@ -254,10 +254,11 @@ RobotPoses robot_poses(const PoseFile& written, const PoseConvention& said) {
   const PoseConvention known = overruled(written.convention, said);
   ResolvedConvention resolved = resolved_convention(written.poses, known);
   check_doubled(written.poses);
+  std::vector<PoseConvention> otherwise = other_conventions(written.poses, known);
   RobotPoses result = {.convention = resolved.convention,
                        .told = std::move(resolved.told),
                        .written = written.poses,
-                       .otherwise = other_conventions(written.poses, known)};
+                       .otherwise = std::move(otherwise)};
   std::vector<Problem> errors;
   for (const WrittenPose& pose : written.poses) {
     try {

@@ -10,13 +10,15 @@ std::string placement_text(const std::string& name,
                            const nlohmann::ordered_json& pose,
                            const nlohmann::ordered_json& spread) {
   const nlohmann::ordered_json& at = pose["translation_mm"];
-  std::string text = fmt::format("{}: {:.3f} {:.3f} {:.3f} mm +- {:.2g} mm, {:.2g} degrees\n",
+  std::string text = fmt::format("{}: {:.3f} {:.3f} {:.3f} mm",
                                  name,
                                  at[0].get<double>(),
                                  at[1].get<double>(),
-                                 at[2].get<double>(),
-                                 pose["sigma_mm"].get<double>(),
-                                 pose["sigma_deg"].get<double>());
+                                 at[2].get<double>());
+  text += pose["sigma_mm"].is_null() ? std::string(", how well known is not told\n")
+                                     : fmt::format(" +- {:.2g} mm, {:.2g} degrees\n",
+                                                   pose["sigma_mm"].get<double>(),
+                                                   pose["sigma_deg"].get<double>());
   if (!spread.is_null()) {
     text += fmt::format("placements differ by {:.2g} mm, {:.2g} degrees (standard deviation)\n",
                         spread["mm"].get<double>(),

@@ -104,12 +104,14 @@ Json pose_json(const PlacedPart& placed, bool is_on_flange) {
     }
     rows.push_back(std::move(row));
   }
+  const bool is_known = !placed.covariance.isZero(0.0);
+  const auto known = [&](double sigma) { return is_known ? Json(sigma) : Json(nullptr); };
   return {{"from", "part"},
           {"to", is_on_flange ? "flange" : "base"},
           {"rotation_vector_rad", vector_json(rotation_vector_rad(placed.base_from_part.linear()))},
           {"translation_mm", vector_json(placed.base_from_part.translation())},
-          {"sigma_deg", sigma_of(placed.covariance, 0) * kDegPerRad},
-          {"sigma_mm", sigma_of(placed.covariance, 3)},
+          {"sigma_deg", known(sigma_of(placed.covariance, 0) * kDegPerRad)},
+          {"sigma_mm", known(sigma_of(placed.covariance, 3))},
           {"covariance", std::move(rows)}};
 }
 
@@ -187,11 +189,12 @@ Joined joined(const std::vector<Placement>& placements) {
     known += placement.placed.covariance / count;
     farthest_mm = std::max(farthest_mm, step.tail<3>().norm());
   }
-  const Vector6d scale = (known.diagonal().cwiseQuotient(apart.diagonal().cwiseMax(1e-300)))
-                             .cwiseMax(1.0)
-                             .cwiseMin(1e12)
-                             .cwiseSqrt();
-  result.placed.covariance = scale.asDiagonal() * apart * scale.asDiagonal();
+  // What is known of each, as far as it is more than how far they lie apart, is added.
+  const Vector6d more = (known.diagonal() - apart.diagonal())
+                            .cwiseMax(0.0)
+                            .cwiseQuotient(known.diagonal().cwiseMax(1e-300))
+                            .cwiseSqrt();
+  result.placed.covariance = apart + more.asDiagonal() * known * more.asDiagonal();
   result.spread = {{"placements", placements.size()},
                    {"deg", sigma_of(apart, 0) * kDegPerRad},
                    {"mm", sigma_of(apart, 3)},
@@ -242,7 +245,7 @@ void check_files(const std::vector<PlaceInput>& inputs,
   check_inputs_kept(files, out, kPlaceFiles);
 }
 
-Json notes_of(const std::vector<Placement>& placements) {
+Json notes_of(const std::vector<Placement>& placements, const PlacedPart& placed) {
   Json notes = Json::array();
   for (const Placement& placement : placements) {
     const std::string file = placement.told["file"].get<std::string>();
@@ -258,6 +261,9 @@ Json notes_of(const std::vector<Placement>& placements) {
     if (placement.placed.covariance.isZero(0.0)) {
       notes.push_back(fmt::format("{}: how well the place is known is not told", file));
     }
+  }
+  if (placements.size() > 1 && placed.covariance.isZero(0.0)) {
+    notes.push_back("the placements are all alike, so they do not tell how well the next is known");
   }
   return notes;
 }
@@ -290,7 +296,7 @@ Json place_part(const std::vector<PlaceInput>& inputs, const CalibrateOptions& o
     json["placements"].push_back(placement.told);
   }
   json["spread"] = result.spread;
-  json["notes"] = notes_of(placements);
+  json["notes"] = notes_of(placements, result.placed);
   ResultWriter writer(out, ResultKind::kPlace);
   write_file(writer.path() / "placement.toml", placement_toml(result.placed, is_on_flange));
   write_file(writer.path() / "placement.json", json.dump(2) + "\n");

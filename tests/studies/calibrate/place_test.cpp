@@ -134,6 +134,30 @@ TEST_F(PlaceVerb, SeveralPlacementsTellTheirSpread) {
   EXPECT_NEAR(again["base_from_part"]["sigma_mm"].get<double>(), 0.3, 1e-6);
 }
 
+// Files that are alike tell nothing of how the part is put back: what is known of each stays.
+TEST_F(PlaceVerb, PlacementsThatAreAlikeKeepWhatIsKnownOfEach) {
+  write_touched("a.csv", some_place());
+  write_touched("b.csv", some_place());
+  const Arguments sigma = {"--set", "place.sigma_mm=0.1"};
+  Arguments once = {"--place", "a.csv"};
+  once.insert(once.end(), sigma.begin(), sigma.end());
+  const Json one = place(once);
+  fs::rename(folder_ / "out", folder_ / "one");
+  Arguments twice = {"--place", "a.csv", "--place", "b.csv"};
+  twice.insert(twice.end(), sigma.begin(), sigma.end());
+  const Json two = place(twice);
+  for (const char* key : {"sigma_mm", "sigma_deg"}) {
+    const double known = one["base_from_part"][key].get<double>();
+    EXPECT_NEAR(two["base_from_part"][key].get<double>(), known, 1e-9 * known);
+  }
+  fs::remove_all(folder_ / "out");
+  write_file(folder_ / "c.toml", "[cell.base_from_part]\ntranslation_mm = [1, 2, 3]\n");
+  write_file(folder_ / "d.toml", "[cell.base_from_part]\ntranslation_mm = [1, 2, 3]\n");
+  const Json untold = place({"--place", "c.toml", "--place", "d.toml"});
+  EXPECT_EQ(untold["base_from_part"]["sigma_mm"], nullptr);
+  EXPECT_THAT(untold["notes"].dump(), HasSubstr("the placements are all alike"));
+}
+
 // The part is the board itself: three ways to the place that the calibration found.
 TEST_F(PlaceVerb, PicturesAndBoardAgreeWithTheCalibration) {
   if (franka().result.is_null()) {
@@ -202,6 +226,20 @@ TEST_F(PlaceVerb, OnePictureOfACameraInTheCellAndEdgesDo) {
   EXPECT_NEAR(by_edges["base_from_part"]["sigma_mm"].get<double>(),
               seen["base_from_part"]["sigma_mm"].get<double>(),
               0.2 * seen["base_from_part"]["sigma_mm"].get<double>());
+  // Pictures of a board in the cell: what is said of poses is of none that matter.
+  const fs::path set = photographs("calibration/board_on_robot");
+  write_file(folder_ / "in_cell.toml", "[board_from_part]\n");
+  fs::remove_all(folder_ / "out");
+  const Json shown = place({"--place",
+                            "in_cell.toml",
+                            (set / "img00.png").string(),
+                            "--camera",
+                            calibration,
+                            "--poses",
+                            (set / "poses.csv").string(),
+                            "--set",
+                            "convention.unit=mm"});
+  EXPECT_EQ(shown["placements"][0]["pictures"], 1);
   // On the robot's hand the board is where the robot holds it.
   write_file(folder_ / "board.toml", "[board_from_part]\ntranslation_mm = [0, 0, -5]\n");
   fs::remove_all(folder_ / "out");

@@ -2,7 +2,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/acquire/cell_calibration.h"
+#include "cli/command_line.h"
 #include "cli/commands.h"
+#include "cli/shell/mode_options.h"
 #include "studies/calibrate/calibrate_run.h"
 #include "studies/calibrate/print_board.h"
 
@@ -105,10 +108,6 @@ std::string calibration_text(const Json& result) {
 }
 
 int print_command(const CalibrateArguments& arguments, const CommonArguments& common) {
-  if (!arguments.pictures.empty() || !arguments.from.empty() || !arguments.board.empty() ||
-      !arguments.poses.empty()) {
-    throw ConfigError("--print_board takes no pictures, no --board and no --poses");
-  }
   const Json result = print_board(arguments.printed, arguments.out);
   print_result(common,
                result,
@@ -122,9 +121,44 @@ int print_command(const CalibrateArguments& arguments, const CommonArguments& co
   return kExitDone;
 }
 
-}  // namespace
+/// @throws ConfigError naming an option that the mode asked for does not take
+void check_calibrate_options(const CalibrateArguments& arguments) {
+  static const std::vector<OptionMode> modes = {
+      {.option = "--cell",
+       .takes = {"--board",
+                 "--setup",
+                 "--camera",
+                 "--out",
+                 "--move",
+                 "--twin",
+                 "--speed_share",
+                 "--confirmed",
+                 "--mounted",
+                 "--target_px",
+                 "--part",
+                 "--placements",
+                 "--placed"}},
+      {.option = "--print_board", .takes = {"--out"}},
+      {.option = "--check", .takes = {"PICTURES", "--board", "--poses", "--set"}},
+      {.option = "--sensor", .takes = {"--bits", "--out"}},
+      {.option = "--plan", .takes = {"--board", "--camera", "--out", "--set"}},
+      {.option = "--place",
+       .takes = {"PICTURES", "--board", "--poses", "--camera", "--out", "--set"}},
+      {.option = "--points", .takes = {"PICTURES", "--poses", "--camera", "--out", "--set"}},
+      {.option = "",
+       .takes = {"PICTURES",
+                 "--from",
+                 "--board",
+                 "--poses",
+                 "--camera",
+                 "--out",
+                 "--setup",
+                 "--method",
+                 "--set"}}};
+  check_mode_options(arguments.given, modes);
+}
 
-int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common) {
+int calibrate_from_files(const CalibrateArguments& arguments, const CommonArguments& common) {
   if (!arguments.printed.empty()) {
     return print_command(arguments, common);
   }
@@ -143,9 +177,6 @@ int calibrate_command(const CalibrateArguments& arguments, const CommonArguments
   if (!arguments.points.empty()) {
     return points_command(arguments, common);
   }
-  if (arguments.bits) {
-    throw ConfigError("--bits: is for --sensor");
-  }
   const Json result = calibrate_pictures({.pictures = arguments.pictures,
                                           .from = arguments.from,
                                           .board = arguments.board,
@@ -158,6 +189,25 @@ int calibrate_command(const CalibrateArguments& arguments, const CommonArguments
                                           .threads = common.threads});
   print_result(common, result, calibration_text(result));
   return kExitDone;
+}
+
+}  // namespace
+
+int calibrate_command(const CommandLine& given) {
+  check_calibrate_options(given.calibrate);
+  if (given.cell_calibration.acquire.cell.empty()) {
+    return calibrate_from_files(given.calibrate, given.common);
+  }
+  CellCalibrationArguments arguments = given.cell_calibration;
+  arguments.board = given.calibrate.board;
+  arguments.setup = given.calibrate.setup;
+  arguments.camera = given.calibrate.camera;
+  arguments.acquire.out = given.calibrate.out;
+  arguments.threads = given.common.threads;
+  const AcquireAnswer answer =
+      run_cell_calibration(arguments, given.common.is_json || given.common.is_quiet);
+  print_result(given.common, answer.json, answer.text);
+  return answer.exit_code;
 }
 
 }  // namespace glint

@@ -2,9 +2,6 @@
 //
 // What is done beside calibrating a camera: checking a calibration, straight pictures, the sensor,
 // a plan of poses, points drawn into pictures, where the part is.
-#include <initializer_list>
-#include <utility>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -22,13 +19,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Options that a mode does not take.
-void refuse_given(const char* mode, std::initializer_list<std::pair<const char*, bool>> others) {
-  for (const auto& [option, is_given] : others) {
-    if (is_given) {
-      throw ConfigError(fmt::format("{} takes no {}", mode, option));
-    }
+std::string note_lines(const Json& result) {
+  std::string text;
+  for (const Json& note : result["notes"]) {
+    text += "note: " + note.get<std::string>() + "\n";
   }
+  return text;
 }
 
 std::string check_text(const Json& result) {
@@ -39,6 +35,12 @@ std::string check_text(const Json& result) {
     text += picture["accepted"].get<bool>()
                 ? fmt::format("{:>8.3f} px\n", picture["rms_px"].get<double>())
                 : fmt::format("not used: {}\n", picture["reason"].get<std::string>());
+  }
+  if (result["status"] == "not_judged") {
+    return text +
+           fmt::format("cannot be judged: {:.3g} px rms from the robot's poses alone\n",
+                       result["rms_px"].get<double>()) +
+           note_lines(result);
   }
   const bool is_valid = result["status"] == "valid";
   const bool is_predicted = result["by"] == "prediction";
@@ -62,10 +64,7 @@ std::string check_text(const Json& result) {
           moved["rms_px"].get<double>());
     }
   }
-  for (const Json& note : result["notes"]) {
-    text += "note: " + note.get<std::string>() + "\n";
-  }
-  return text;
+  return text + note_lines(result);
 }
 
 std::string sensor_text(const Json& result) {
@@ -93,16 +92,17 @@ std::string sensor_text(const Json& result) {
 
 std::string plan_text(const Json& plan) {
   const Json& promised = plan["promised"];
-  return fmt::format(
-      "{} poses of {}; they promise a focal length to {:.2g} px, the centre to {:.2g} px,\n"
-      "a hand-eye to {:.2g} mm and {:.2g} degrees\nposes: {}/poses.csv\n",
-      plan["poses"].size(),
-      plan["pose"].get<std::string>(),
-      promised["focal_px"][0].get<double>(),
-      promised["center_px"][0].get<double>(),
-      promised["hand_eye_mm"].get<double>(),
-      promised["hand_eye_deg"].get<double>(),
-      plan["folder"].get<std::string>());
+  return note_lines(plan) +
+         fmt::format(
+             "{} poses of {}; they promise a focal length to {:.2g} px, the centre to {:.2g} px,\n"
+             "a hand-eye to {:.2g} mm and {:.2g} degrees\nposes: {}/poses.csv\n",
+             plan["poses"].size(),
+             plan["pose"].get<std::string>(),
+             promised["focal_px"][0].get<double>(),
+             promised["center_px"][0].get<double>(),
+             promised["hand_eye_mm"].get<double>(),
+             promised["hand_eye_deg"].get<double>(),
+             plan["folder"].get<std::string>());
 }
 
 std::string points_text(const Json& result) {
@@ -133,23 +133,13 @@ std::string place_text(const Json& result) {
   }
   const char* name = result.contains("flange_from_part") ? "flange_from_part" : "base_from_part";
   text += placement_text(name, result[name], result["spread"]);
-  for (const Json& note : result["notes"]) {
-    text += "note: " + note.get<std::string>() + "\n";
-  }
-  return text +
+  return text + note_lines(result) +
          fmt::format("part for scenes: {}/placement.toml\n", result["folder"].get<std::string>());
 }
 
 }  // namespace
 
 int check_calibration_command(const CalibrateArguments& arguments, const CommonArguments& common) {
-  refuse_given("--check",
-               {{"--camera", !arguments.camera.empty()},
-                {"--from", !arguments.from.empty()},
-                {"--method", !arguments.method.empty()},
-                {"--setup", !arguments.setup.empty()},
-                {"--sensor", !arguments.sensor.empty()},
-                {"--out", !arguments.out.empty()}});
   const Json result = check_calibration(arguments.checked,
                                         {.pictures = arguments.pictures,
                                          .board = arguments.board,
@@ -161,15 +151,6 @@ int check_calibration_command(const CalibrateArguments& arguments, const CommonA
 }
 
 int sensor_command(const CalibrateArguments& arguments, const CommonArguments& common) {
-  refuse_given("--sensor",
-               {{"PICTURES", !arguments.pictures.empty()},
-                {"--from", !arguments.from.empty()},
-                {"--board", !arguments.board.empty()},
-                {"--poses", !arguments.poses.empty()},
-                {"--camera", !arguments.camera.empty()},
-                {"--method", !arguments.method.empty()},
-                {"--setup", !arguments.setup.empty()},
-                {"--set", !arguments.sets.empty()}});
   const Json result = calibrate_sensor({.folder = arguments.sensor,
                                         .out = arguments.out,
                                         .bits = arguments.bits,
@@ -179,12 +160,6 @@ int sensor_command(const CalibrateArguments& arguments, const CommonArguments& c
 }
 
 int plan_command(const CalibrateArguments& arguments, const CommonArguments& common) {
-  refuse_given("--plan",
-               {{"PICTURES", !arguments.pictures.empty()},
-                {"--from", !arguments.from.empty()},
-                {"--poses", !arguments.poses.empty()},
-                {"--method", !arguments.method.empty()},
-                {"--setup", !arguments.setup.empty()}});
   const Json plan = plan_poses({.count = *arguments.planned,
                                 .board = arguments.board,
                                 .camera = arguments.camera,
@@ -195,11 +170,6 @@ int plan_command(const CalibrateArguments& arguments, const CommonArguments& com
 }
 
 int points_command(const CalibrateArguments& arguments, const CommonArguments& common) {
-  refuse_given("--points",
-               {{"--from", !arguments.from.empty()},
-                {"--board", !arguments.board.empty()},
-                {"--method", !arguments.method.empty()},
-                {"--setup", !arguments.setup.empty()}});
   const Json result = draw_points(arguments.points,
                                   {.pictures = arguments.pictures,
                                    .poses = arguments.poses,
@@ -212,11 +182,6 @@ int points_command(const CalibrateArguments& arguments, const CommonArguments& c
 }
 
 int place_command(const CalibrateArguments& arguments, const CommonArguments& common) {
-  refuse_given("--place",
-               {{"--from", !arguments.from.empty()},
-                {"--points", !arguments.points.empty()},
-                {"--method", !arguments.method.empty()},
-                {"--setup", !arguments.setup.empty()}});
   std::vector<PlaceInput> inputs;
   for (const std::filesystem::path& file : arguments.placed) {
     inputs.push_back({.file = file});

@@ -103,7 +103,7 @@ int compare_command(const CompareArguments& arguments, const CommonArguments& co
 
 struct CalibrateArguments {
   std::vector<std::filesystem::path> pictures;
-  std::filesystem::path from;  ///< corners.csv instead of pictures
+  std::filesystem::path from;  ///< corners.csv, or its folder, instead of pictures
   std::filesystem::path board;
   std::vector<std::filesystem::path> poses;
   std::filesystem::path camera;
@@ -118,9 +118,14 @@ struct CalibrateArguments {
   std::optional<int> planned;     ///< so many poses to photograph the board from instead
   std::filesystem::path points;   ///< points of the cell to draw into the pictures instead
   std::vector<std::filesystem::path> placed;  ///< what tells where the part is, instead
+  std::vector<std::string> given;             ///< names of all options that were given
 };
 
-int calibrate_command(const CalibrateArguments& arguments, const CommonArguments& common);
+struct CommandLine;
+
+/// By a cell or from files, in the mode that was asked for.
+/// @throws ConfigError naming an option that the mode does not take
+int calibrate_command(const CommandLine& given);
 
 struct CoverArguments {
   StudyArguments study;

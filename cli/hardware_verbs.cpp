@@ -8,6 +8,7 @@
 
 #include "cli/acquire/driving_options.h"
 #include "cli/plan/plan_text.h"
+#include "cli/shell/mode_options.h"
 #include "cli/shell/options.h"
 #include "studies/plan/plan_run.h"
 
@@ -161,25 +162,6 @@ void add_validate_verb(CLI::App& app, CommandLine& line) {
   add_out(*validate, arguments.acquire.out, "folder for the results (default out/<name>/validate)");
 }
 
-int calibrate_by_cell_or_pictures(const CommandLine& given) {
-  if (given.cell_calibration.acquire.cell.empty()) {
-    if (!given.cell_calibration.part.empty()) {
-      throw ConfigError("--part: needs --cell, whose robot takes its pictures; else --place");
-    }
-    return calibrate_command(given.calibrate, given.common);
-  }
-  CellCalibrationArguments arguments = given.cell_calibration;
-  arguments.board = given.calibrate.board;
-  arguments.setup = given.calibrate.setup;
-  arguments.camera = given.calibrate.camera;
-  arguments.acquire.out = given.calibrate.out;
-  arguments.threads = given.common.threads;
-  const AcquireAnswer answer =
-      run_cell_calibration(arguments, given.common.is_json || given.common.is_quiet);
-  print_result(given.common, answer.json, answer.text);
-  return answer.exit_code;
-}
-
 void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& arguments) {
   calibrate
       .add_option("--cell",
@@ -218,6 +200,14 @@ void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& argumen
       ->check(between(1, 100));
 }
 
+/// Beside the command the names of the options that were given.
+void remember_options(CLI::App& calibrate, CommandLine& line) {
+  calibrate.callback([&line, &calibrate] {
+    line.calibrate.given = given_options(calibrate);
+    line.command = calibrate_command;
+  });
+}
+
 void add_calibrate_verb(CLI::App& app, CommandLine& line) {
   CalibrateArguments& arguments = line.calibrate;
   CLI::App* calibrate = add_verb(
@@ -234,11 +224,13 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       "  glint calibrate --cell cell.toml --part scene.toml --camera out/calibration/calibration "
       "--out out/part --move",
       line,
-      calibrate_by_cell_or_pictures);
+      calibrate_command);
   calibrate->add_option("PICTURES", arguments.pictures, "pictures of the board, of one camera")
       ->type_name("FILE");
   calibrate
-      ->add_option("--from", arguments.from, "corners.csv of an earlier calibration, no pictures")
+      ->add_option("--from",
+                   arguments.from,
+                   "an earlier calibration's folder, or its corners.csv, instead of pictures")
       ->type_name("FILE")
       ->check(not_empty());
   calibrate->add_option("--board", arguments.board, "the board: board.toml or board.json")
@@ -273,6 +265,7 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
   add_calibrate_modes(*calibrate, arguments);
   add_place_mode(*calibrate, arguments);
   add_cell_calibration(*calibrate, line.cell_calibration);
+  remember_options(*calibrate, line);
 }
 
 void add_undistort_verb(CLI::App& app, CommandLine& line) {

@@ -89,7 +89,7 @@ Json picture_json(const CalibrateInput& input, const SolvedCalibration& solved, 
     json["accepted"] = accepted;
     json["reason"] = reason;
     json["rms_px"] = number_json(rms_px);
-    json["influence"] = accepted ? influence_json(solved, i) : Json(nullptr);
+    json["influence"] = accepted && !input.method ? influence_json(solved, i) : Json(nullptr);
   };
   if (!solved.joint) {
     const CalibratedPicture& picture = solved.camera.pictures[i];
@@ -97,10 +97,13 @@ Json picture_json(const CalibrateInput& input, const SolvedCalibration& solved, 
     return json;
   }
   const HandEyePicture& picture = solved.joint->pictures[i];
-  put(picture.accepted, picture.reason, picture.rms_px);
+  // A closed form knows no errors of the robot: what is left over is the camera's.
+  put(picture.accepted,
+      picture.reason,
+      input.method ? solved.camera.pictures[i].rms_px : picture.rms_px);
   json["prediction_px"] = prediction_json(solved, i);
   json["pose"] = input.poses->poses[input.pose_of[i]].name;
-  json["chi_square"] = number_json(picture.chi_square);
+  json["chi_square"] = input.method ? Json(nullptr) : number_json(picture.chi_square);
   json["board_turn"] = picture.board_turn;
   return json;
 }
@@ -151,8 +154,9 @@ Json board_json(const CalibrateInput& input, const SolvedCalibration& solved) {
                {"cols", board.cols},
                {"rows", board.rows},
                {"square_mm", board.square_mm},
-               {"given_square_mm", input.board.square_mm},
-               {"mark", board.mark}};
+               {"given_square_mm", input.given_board.square_mm},
+               {"mark", board.mark},
+               {"given_mark", input.given_board.mark}};
   if (board.kind == BoardKind::kCharuco) {
     json["marker_mm"] = marker_side_mm(board);
     json["dictionary"] = fmt::format("{0}x{0}", 4 + static_cast<int>(board.dictionary));
@@ -253,20 +257,23 @@ void put_joint(const CalibrateInput& input, const SolvedCalibration& solved, Jso
                    {"pattern_px", joint.noise.whole_pattern_px()},
                    {"robot_deg", joint.noise.robot_rad * kDegPerRad},
                    {"robot_mm", joint.noise.robot_mm}};
-  json["point_error_px"] = {{"rms", number_json(joint.point.rms_px)},
-                            {"center", number_json(joint.point.center_px)},
-                            {"edge", number_json(joint.point.edge_px)}};
+  const auto error_json = [&](double error_px) {
+    return input.method ? Json(nullptr) : number_json(error_px);
+  };
+  json["point_error_px"] = {{"rms", error_json(joint.point.rms_px)},
+                            {"center", error_json(joint.point.center_px)},
+                            {"edge", error_json(joint.point.edge_px)}};
 }
 
-/// [camera] with the calibrated intrinsics alone: all else is the scene's own.
-ConfigNode camera_node(const CalibrateInput& input, const SolvedCalibration& solved) {
+/// [camera] with intrinsics alone: all else is the scene's own.
+ConfigNode camera_node(const CalibrateInput& input, const LensVector& lens) {
   constexpr std::array<const char*, kLensSize> kKeys = {
       "focal_x_px", "focal_y_px", "center_x_px", "center_y_px", "k1", "k2", "k3", "p1", "p2"};
   ConfigNode camera = ConfigNode::table();
   set_path(camera, "width_px", ConfigNode::from_integer(input.width_px));
   set_path(camera, "height_px", ConfigNode::from_integer(input.height_px));
   for (std::size_t i = 0; i < kLensSize; ++i) {
-    set_path(camera, kKeys[i], ConfigNode::from_number(solved.lens[static_cast<Eigen::Index>(i)]));
+    set_path(camera, kKeys[i], ConfigNode::from_number(lens[static_cast<Eigen::Index>(i)]));
   }
   return camera;
 }
@@ -361,10 +368,16 @@ Json calibration_json(const CalibrateInput& input,
   return json;
 }
 
+std::string known_camera_toml(const CalibrateInput& input) {
+  ConfigNode root = ConfigNode::table();
+  set_path(root, "camera", camera_node(input, lens_vector(input.camera->intrinsics)));
+  return "# The intrinsics that --camera gave\n" + to_toml(root);
+}
+
 std::string calibration_toml(const CalibrateInput& input, const SolvedCalibration& solved) {
   ConfigNode root = ConfigNode::table();
   set_path(root, "schema", ConfigNode::from_integer(kNewestSchema));
-  set_path(root, "camera", camera_node(input, solved));
+  set_path(root, "camera", camera_node(input, solved.lens));
   ConfigNode calibration = ConfigNode::table();
   CalibrationSettings settings = calibration_settings(input, solved);
   KeyWriter writer(calibration);

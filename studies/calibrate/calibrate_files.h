@@ -31,6 +31,9 @@ nlohmann::ordered_json calibration_json(
 
 nlohmann::ordered_json vector_json(const Eigen::Vector3d& v);
 
+/// A known camera's intrinsics as a file for --camera.
+std::string known_camera_toml(const CalibrateInput& input);
+
 /// Tables that a scene takes: [camera] with the calibrated intrinsics alone, [calibration] with the
 /// hand-eye and the covariances.
 std::string calibration_toml(const CalibrateInput& input, const SolvedCalibration& solved);

@@ -355,20 +355,21 @@ bool is_known_board(const CalibrateOptions& options, const Board& board) {
   if (!options.known_board) {
     return false;
   }
-  const Board& known = *options.known_board;
-  return board.kind == known.kind && board.cols == known.cols && board.rows == known.rows &&
-         board.mark == known.mark && board.dictionary == known.dictionary &&
-         board.square_mm == options.known_given_mm;
+  const Board& given = options.known_given;
+  return board.kind == given.kind && board.cols == given.cols && board.rows == given.rows &&
+         board.mark == given.mark && board.dictionary == given.dictionary &&
+         board.square_mm == given.square_mm;
 }
 
-/// Of a board whose squares a calibration found to be of another size than its file says, that
-/// size.
+/// Of a board that a calibration found to have squares of another size than its file says, or not
+/// to have its mark, what it found.
 Board board_of(const CalibrateOptions& options) {
   if (options.board.empty()) {
     return *options.known_board;
   }
   Board board = read_board(options.board);
   if (is_known_board(options, board)) {
+    board.mark = options.known_board->mark;
     board.square_mm = options.known_board->square_mm;
     board.marker_mm = options.known_board->marker_mm;
   }
@@ -407,6 +408,7 @@ CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool&
     input.names.push_back(picture.string());
   }
   input.board = board_of(options);
+  input.given_board = input.board;
   if (!options.camera.empty()) {
     read_known_camera(options, input);
   }

@@ -24,10 +24,12 @@ namespace glint {
 
 struct CalibrateOptions {
   std::vector<std::filesystem::path> pictures;
-  std::filesystem::path from;        ///< corners.csv of an earlier calibration instead of pictures
+  /// Instead of pictures corners.csv of an earlier calibration; or its folder, of which what is not
+  /// given beside it is taken, too (calibrate_run.h).
+  std::filesystem::path from;
   std::filesystem::path board;       ///< board.toml or board.json
   std::optional<Board> known_board;  ///< where there is no file of it
-  double known_given_mm = 0.0;       ///< squares of known_board as its file has them; 0: likewise
+  Board known_given;                 ///< known_board as its file has it: see KnownCalibration
   std::vector<std::filesystem::path> poses;  ///< empty: the camera alone
   std::filesystem::path camera;              ///< known intrinsics; empty: all are estimated
   std::filesystem::path out;                 ///< empty: out/<the pictures' folder>/calibrate
@@ -40,6 +42,7 @@ struct CalibrateOptions {
 /// Everything that was read, with the boards found in the pictures.
 struct CalibrateInput {
   Board board;                           ///< without its mark where the pictures do not show one
+  Board given_board;                     ///< as it was given
   BoardSetup setup = BoardSetup::kNone;  ///< kNone with poses: to be found out
   std::optional<HandEyeMethod> method;   ///< none: our own
   std::optional<CameraFile> camera;

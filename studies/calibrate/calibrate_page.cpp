@@ -131,7 +131,14 @@ Json methods(const CalibrateInput& input) {
        "Standard deviations come from the information of all corners at the solution. They hold "
        "when the errors are as they were modelled; the prediction of pictures that were left out "
        "holds whatever they are, and is what to compare calibrations by."});
-  if (input.poses) {
+  if (input.method) {
+    lines.push_back(fmt::format(
+        "The camera is from the pictures alone, the hand-eye from them and the robot's poses by "
+        "OpenCV's method {}, the board the mean of what all pictures say. None of it knows its "
+        "standard deviations beyond the camera's. Which pictures are used, and the sizes of the "
+        "robot's and of the corners' errors, are from our own solution.",
+        name_of(*input.method)));
+  } else if (input.poses) {
     lines.push_back(
         "Intrinsics, hand-eye, board and six numbers of robot error per picture are estimated "
         "together; sizes of the robot's and of the corners' errors are estimated from the data.");

@@ -4,11 +4,15 @@
 #include <array>
 #include <chrono>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/config/toml.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/text.h"
 #include "core/wall_clock.h"
+#include "hardware/calibration/rotation.h"
 #include "studies/calibrate/calibrate_files.h"
 #include "studies/calibrate/calibrate_page.h"
 #include "studies/calibrate/corner_file.h"
@@ -25,9 +29,111 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// --- What a calibration can be computed from again -----------------------------------------------
+
+/// Of the flange, in the pictures' order. What was guessed or removed is told above them.
+std::string poses_toml(const CalibrateInput& input) {
+  std::string text = "# Poses of the robot's flange, one for each picture of corners.csv\n";
+  for (const std::string& told : input.poses->told) {
+    text += fmt::format("# as they were given: {}\n", told);
+  }
+  text +=
+      "[convention]\nunit = \"mm\"\ndirection = \"base_from_flange\"\n"
+      "rotation = \"rotation_vector\"\nangle = \"rad\"\n";
+  const std::vector<Eigen::Isometry3d> poses = picture_poses(input, input.poses->convention);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const std::string& name = input.poses->poses[input.pose_of[i]].name;
+    const Eigen::Vector3d turn = rotation_vector_rad(poses[i].linear());
+    const Eigen::Vector3d& at = poses[i].translation();
+    text += "\n[[pose]]\n";
+    if (!name.empty()) {
+      text += fmt::format("name = {}\n", value_to_toml(ConfigNode::from_text(name)));
+    }
+    text += fmt::format("pose = [{}, {}, {}, {}, {}, {}]\n",
+                        shortest(at.x()),
+                        shortest(at.y()),
+                        shortest(at.z()),
+                        shortest(turn.x()),
+                        shortest(turn.y()),
+                        shortest(turn.z()));
+  }
+  return text;
+}
+
+/// With the setup that was told, not with one that was guessed.
+std::string own_board_toml(const CalibrateInput& input) {
+  Board board = input.given_board;
+  if (input.poses) {
+    board.setup = input.setup;
+  }
+  return board_toml(board);
+}
+
+void write_sources(const CalibrateInput& input, const fs::path& folder) {
+  write_file(folder / "board.toml", own_board_toml(input));
+  if (input.poses) {
+    write_file(folder / "poses.toml", poses_toml(input));
+  }
+  if (input.camera) {
+    write_file(folder / "known_camera.toml", known_camera_toml(input));
+  }
+}
+
+fs::path source_of(const fs::path& folder, const char* name, const char* option) {
+  std::error_code ignored;
+  if (!fs::exists(folder / name, ignored)) {
+    throw ConfigError(fmt::format(
+        "--from {}: has no {}, as of an earlier version; give {}", folder.string(), name, option));
+  }
+  return folder / name;
+}
+
+/// --set prior. of the calibration, before what the user says.
+void take_prior(const Json& prior, CalibrateOptions& options) {
+  std::vector<KeyValue> sets;
+  for (const char* key : {"focal_px", "center_px", "radial", "tangential"}) {
+    const double sigma = prior.at(key).at(0).get<double>();
+    if (sigma > 0.0) {
+      sets.push_back({.path = fmt::format("prior.{}", key), .value = shortest(sigma)});
+    }
+  }
+  options.sets.insert(options.sets.begin(), sets.begin(), sets.end());
+}
+
+/// Of a folder for --from: its corners, and what of board, poses and camera is not given. Files of
+/// an earlier calibration that lie there, too, are not its own.
+void take_sources(CalibrateOptions& options) {
+  const fs::path folder = options.from;
+  const Json known = Json::parse(read_file(folder / "calibration.json"), nullptr, false);
+  options.from = folder / "corners.csv";
+  if (options.board.empty()) {
+    options.board = source_of(folder, "board.toml", "--board");
+  }
+  try {
+    if (options.poses.empty() && known.at("hand_eye").is_object()) {
+      options.poses = {source_of(folder, "poses.toml", "--poses")};
+      options.sets.insert(options.sets.begin(), {.path = "poses.pair_by", .value = "order"});
+    }
+    const Json& prior = known.at("intrinsics").at("prior");
+    if (options.camera.empty() && prior.is_object()) {
+      options.camera = source_of(folder, "known_camera.toml", "--camera");
+      take_prior(prior, options);
+    }
+  } catch (const Json::exception&) {
+    throw ConfigError(
+        fmt::format("--from {}: its calibration.json is none of glint calibrate", folder.string()));
+  }
+}
+
 void check_folder(const CalibrateOptions& options, const fs::path& out) {
-  const std::array<std::string, 5> names = {
-      "calibration.toml", "calibration.json", "corners.csv", "report.html", "run.json"};
+  const std::array<std::string, 8> names = {"calibration.toml",
+                                            "calibration.json",
+                                            "corners.csv",
+                                            "board.toml",
+                                            "poses.toml",
+                                            "known_camera.toml",
+                                            "report.html",
+                                            "run.json"};
   check_result_folder(out, ResultKind::kCalibrate, names);
   std::vector<fs::path> inputs = options.pictures;
   inputs.insert(inputs.end(), options.poses.begin(), options.poses.end());
@@ -37,8 +143,13 @@ void check_folder(const CalibrateOptions& options, const fs::path& out) {
 
 }  // namespace
 
-Json calibrate_pictures(const CalibrateOptions& options) {
+Json calibrate_pictures(const CalibrateOptions& given) {
   const auto start = std::chrono::steady_clock::now();
+  CalibrateOptions options = given;
+  std::error_code ignored;
+  if (!options.from.empty() && fs::is_directory(options.from, ignored)) {
+    take_sources(options);
+  }
   const std::string started = utc_text(std::chrono::system_clock::now());
   const std::vector<fs::path> from = {options.from};
   const fs::path out = options.out.empty()
@@ -55,6 +166,7 @@ Json calibrate_pictures(const CalibrateOptions& options) {
   write_file(writer.path() / "calibration.toml", calibration_toml(input, solved));
   write_file(writer.path() / "calibration.json", result.dump(2) + "\n");
   write_file(writer.path() / "corners.csv", corners_csv(input, solved, residuals_px));
+  write_sources(input, writer.path());
   const std::string when = moment_text(started, seconds_since(start));
   write_file(writer.path() / "report.html",
              calibrate_page(result, input, solved, residuals_px, when));

@@ -12,7 +12,10 @@
 
 namespace glint {
 
-/// Writes calibration.toml, calibration.json, corners.csv, report.html and run.json.
+/// Writes calibration.toml, calibration.json, corners.csv, report.html and run.json; and, from
+/// which with the corners all can be computed again, board.toml, with poses poses.toml (of the
+/// flange, in the pictures' order), with a known camera known_camera.toml. Where options.from is a
+/// folder with them, they are taken for what is not given.
 /// @return what calibration.json holds, "report" and "folder"
 /// @throws ConfigError for wrong input and for pictures that do not suffice, IoError; nothing is
 ///         left behind

@@ -44,6 +44,11 @@ class Check {
       json["pictures"].push_back(picture_json(i, of_pictures[i]));
     }
     json["notes"] = input_.notes;
+    if (!can_judge()) {
+      json["notes"].push_back(
+          "the calibration does not know how well the robot's poses predict pictures "
+          "(prediction_rms_px is null): without --poses its lens can be judged");
+    }
     return json;
   }
 
@@ -67,6 +72,9 @@ class Check {
                   : std::nullopt;
   }
 
+  /// What the robot's poses predict is compared with what they predicted of pictures left out.
+  bool can_judge() const { return !is_by_poses() || known_.prediction_rms_px.has_value(); }
+
   /// By its own pictures; of those that the robot's pose predicts, by those that were left out.
   double expected_px() const {
     const bool is_same_measure = is_by_poses() || !known_.mounting;
@@ -84,19 +92,30 @@ class Check {
     for (const Eigen::Vector2d& residual : all) {
       mean += residual / static_cast<double>(all.size());
     }
-    const double rms = rms_of(all);
-    const int freedoms = is_by_poses() ? kFreedomsByRobot : kFreedomsByFreePose;
-    const double limit = drift_limit_px(expected_px(), freedoms * static_cast<int>(count));
-    const double drift = std::sqrt(std::max(0.0, rms * rms - expected_px() * expected_px()));
-    return {{"schema", 1},
-            {"status", rms <= limit ? "valid" : "drifted"},
-            {"by", is_by_poses() ? "prediction" : "reprojection"},
-            {"rms_px", rms},
-            {"expected_px", expected_px()},
-            {"limit_px", limit},
-            {"drift_px", drift},
-            {"mean_px", {mean.x(), mean.y()}},
-            {"board_moved", is_by_poses() && count > 1 ? moved_json() : Json(nullptr)}};
+    Json json = verdict(rms_of(all), static_cast<int>(count));
+    json["mean_px"] = {mean.x(), mean.y()};
+    json["board_moved"] = is_by_poses() && count > 1 ? moved_json() : Json(nullptr);
+    return json;
+  }
+
+  Json verdict(double rms, int pictures) const {
+    Json json = {{"schema", 1},
+                 {"status", "not_judged"},
+                 {"by", is_by_poses() ? "prediction" : "reprojection"},
+                 {"rms_px", rms},
+                 {"expected_px", nullptr},
+                 {"limit_px", nullptr},
+                 {"drift_px", nullptr}};
+    if (can_judge()) {
+      const double expected = expected_px();
+      const int freedoms = is_by_poses() ? kFreedomsByRobot : kFreedomsByFreePose;
+      const double limit = drift_limit_px(expected, freedoms * pictures);
+      json["status"] = rms <= limit ? "valid" : "drifted";
+      json["expected_px"] = expected;
+      json["limit_px"] = limit;
+      json["drift_px"] = std::sqrt(std::max(0.0, rms * rms - expected * expected));
+    }
+    return json;
   }
 
   static PictureResiduals joined(const std::vector<std::optional<PictureResiduals>>& of_pictures) {
@@ -176,7 +195,7 @@ Json check_calibration(const std::filesystem::path& calibration, const Calibrate
   }
   CalibrateOptions reading = options;
   reading.known_board = known.board;
-  reading.known_given_mm = known.given_square_mm;
+  reading.known_given = known.given_board;
   ThreadPool pool(options.threads);
   const CalibrateInput input = read_calibrate_input(reading, pool);
   if (input.width_px != known.intrinsics.width_px ||

@@ -76,7 +76,9 @@ KnownCalibration calibration_of(const Json& json, const fs::path& file) {
                          .intrinsics = intrinsics_of(json.at("intrinsics")),
                          .board = board_of(json.at("board"), file.string()),
                          .rms_px = json.at("rms_px").get<double>()};
-  known.given_square_mm = json.at("board").value("given_square_mm", known.board.square_mm);
+  known.given_board = known.board;
+  known.given_board.square_mm = json["board"].value("given_square_mm", known.board.square_mm);
+  known.given_board.mark = json["board"].value("given_mark", known.board.mark);
   if (json.at("prediction_rms_px").is_number()) {
     known.prediction_rms_px = json["prediction_rms_px"].get<double>();
   }

@@ -19,7 +19,7 @@ struct KnownCalibration {
   std::filesystem::path file;
   PinholeIntrinsics intrinsics;
   Board board;
-  double given_square_mm = 0.0;      ///< as the board's file had it
+  Board given_board;  ///< as its file had it: squares before they were measured, a missing mark
   std::optional<Mounting> mounting;  ///< with poses
   HandEye poses;                     ///< with a mounting
   double rms_px = 0.0;               ///< of its own pictures

@@ -262,10 +262,11 @@ Placement board_in_pictures(const PlacingRig& rig, const CalibrateOptions& optio
   CalibrateOptions reading = options;
   reading.camera.clear();
   reading.known_board = rig.known.board;
-  reading.known_given_mm = rig.known.given_square_mm;
+  reading.known_given = rig.known.given_board;
   const std::vector<Isometry3d> flanges = flanges_of(rig, options);
-  if (!is_in_hand(rig)) {
+  if (!is_in_hand(rig) && !reading.poses.empty()) {
     reading.poses.clear();
+    reading.sets.clear();  // place_run.cpp leaves those of poses alone
   }
   ThreadPool pool(options.threads);
   const CalibrateInput input = read_calibrate_input(reading, pool);

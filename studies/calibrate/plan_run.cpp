@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -58,6 +59,10 @@ struct Rig {
   PinholeIntrinsics camera;
   Board board;
   std::optional<KnownCalibration> known;  ///< with a hand-eye
+  double sharp_near_mm = 0.0;             ///< as the camera's [lens] says
+  double sharp_far_mm = std::numeric_limits<double>::infinity();
+
+  bool is_lens_told() const { return sharp_near_mm > 0.0 || std::isfinite(sharp_far_mm); }
 
   const char* pose_name() const { return known ? "base_from_flange" : "board_from_camera"; }
 
@@ -89,7 +94,10 @@ Rig rig_of(const PosePlanOptions& options) {
     rig.board = known.board;
     rig.known = known.mounting ? std::optional(known) : std::nullopt;
   } else {
-    rig.camera = read_camera_file(options.camera).intrinsics;
+    const CameraFile file = read_camera_file(options.camera);
+    rig.camera = file.intrinsics;
+    rig.sharp_near_mm = file.sharp_near_mm;
+    rig.sharp_far_mm = file.sharp_far_mm;
     if (options.board.empty()) {
       throw ConfigError("--board: is missing; give the board's board.toml or board.json");
     }
@@ -109,6 +117,8 @@ PosePlan planned(const Rig& rig, const PlanSettings& settings, int count) {
                       .count = count,
                       .near_mm = settings.near_mm,
                       .far_mm = settings.far_mm,
+                      .sharp_near_mm = rig.sharp_near_mm,
+                      .sharp_far_mm = rig.sharp_far_mm,
                       .tilt_min_rad = settings.tilt_min_deg * kRadPerDeg,
                       .tilt_max_rad = settings.tilt_max_deg * kRadPerDeg,
                       .roll_rad = settings.roll_deg * kRadPerDeg,
@@ -117,7 +127,7 @@ PosePlan planned(const Rig& rig, const PlanSettings& settings, int count) {
   // The outer squares, too, are to be seen.
   for (const int col : {-1, rig.board.cols}) {
     for (const int row : {-1, rig.board.rows}) {
-      request.board_mm.push_back(corner_mm(rig.board, col, row));
+      request.outline_mm.push_back(corner_mm(rig.board, col, row));
     }
   }
   return settings.method == PlanMethod::kInformation ? informative_poses(request)
@@ -133,7 +143,20 @@ Json pose_json(int number, const Isometry3d& pose, double tilt_deg) {
           {"tilt_deg", tilt_deg}};
 }
 
-Json plan_json(const Rig& rig, const PosePlan& plan) {
+Json notes_json(const Rig& rig, const PlanSettings& settings) {
+  Json notes = Json::array();
+  if (rig.is_lens_told() && (settings.near_mm == 0.0 || settings.far_mm == 0.0)) {
+    notes.push_back(fmt::format(
+        "[lens] of the camera's file shows all sharp to one pixel from {:.4g} mm to {}: where "
+        "plan.near_mm and plan.far_mm do not tell, the whole board stays within",
+        rig.sharp_near_mm,
+        std::isfinite(rig.sharp_far_mm) ? fmt::format("{:.4g} mm", rig.sharp_far_mm)
+                                        : std::string("infinity")));
+  }
+  return notes;
+}
+
+Json plan_json(const Rig& rig, const PosePlan& plan, const PlanSettings& settings) {
   Json poses = Json::array();
   for (const Isometry3d& pose : plan.board_from_camera) {
     const double tilt = std::acos(std::min(1.0, std::abs(pose.linear()(2, 2)))) * kDegPerRad;
@@ -144,6 +167,9 @@ Json plan_json(const Rig& rig, const PosePlan& plan) {
           {"status", "done"},
           {"pose", rig.pose_name()},
           {"poses", poses},
+          {"near_mm", plan.near_mm},
+          {"far_mm", plan.far_mm},
+          {"notes", notes_json(rig, settings)},
           {"promised",
            {{"focal_px", {sigma[0], sigma[1]}},
             {"center_px", {sigma[2], sigma[3]}},
@@ -229,7 +255,7 @@ Json plan_poses(const PosePlanOptions& options) {
   check_result_folder(out, ResultKind::kPlan, kPlanFiles);
   check_inputs_kept(std::array{options.board, options.camera}, out, kPlanFiles);
   const Rig rig = rig_of(options);
-  Json plan = plan_json(rig, planned(rig, settings, options.count));
+  Json plan = plan_json(rig, planned(rig, settings, options.count), settings);
   ResultWriter writer(out, ResultKind::kPlan);
   write_file(writer.path() / "poses.csv", poses_csv(plan));
   write_file(writer.path() / "poses.toml", poses_toml(plan));

@@ -174,6 +174,13 @@ std::string note_of_setup(const CalibrateInput& input, Mounting mounting) {
   return note;
 }
 
+/// What a refusal may owe to guesses; empty where nothing was guessed.
+std::string guesses_text(const CalibrateInput& input) {
+  const std::vector<std::string>& told = input.poses->told;
+  return told.empty() ? std::string()
+                      : fmt::format("; the poses were read with {}", fmt::join(told, "; "));
+}
+
 /// @throws ConfigError
 HandEyeCalibration joint_calibration(const CalibrateInput& input, std::vector<std::string>& notes) {
   const std::vector<Isometry3d> poses = picture_poses(input, input.poses->convention);
@@ -194,9 +201,10 @@ HandEyeCalibration joint_calibration(const CalibrateInput& input, std::vector<st
   }
   if (!result.succeeded) {
     const std::string reading = reading_that_agrees(input, result);
-    throw ConfigError(reading.empty()
-                          ? result.refusal
-                          : fmt::format("{}; they agree with{}", result.refusal, reading));
+    throw ConfigError(
+        result.refusal +
+        (reading.empty() ? std::string() : fmt::format("; they agree with{}", reading)) +
+        guesses_text(input));
   }
   if (is_open) {
     notes.push_back(note_of_setup(input, result.mounting));
@@ -250,13 +258,15 @@ void predict_all(const CalibrateInput& input, SolvedCalibration& solved, ThreadP
   solved.five_fold_splits = std::clamp(400 / std::max(1, count), 4, 20);
   const auto left_out = predict_by_all(bundle, camera, prediction_folds(count), pool);
   const auto splits = predict_five_fold(bundle, camera, solved.five_fold_splits, pool);
-  solved.predicted_rms_px = left_out.front().picture_rms_px;
   for (std::size_t i = 0; i < left_out.size(); ++i) {
     solved.methods.push_back(
         {.name = i == 0 ? "glint" : std::string(name_of(kHandEyeMethods[i - 1])),
          .has_failed = left_out[i].has_failed || splits[i].has_failed,
          .rms_px = left_out[i].rms_px,
          .five_fold = splits[i]});
+    if (solved.methods.back().name == solved.method) {
+      solved.predicted_rms_px = left_out[i].picture_rms_px;
+    }
   }
 }
 
@@ -292,13 +302,21 @@ void take_camera_prediction(const CalibrateInput& input,
   solved.prediction_folds = std::min(static_cast<int>(accepted.size()), kMostFolds);
 }
 
+void advise(const CalibrateInput& input,
+            const Bundle& bundle,
+            const Board& board,
+            SolvedCalibration& solved) {
+  constexpr int kAdvisedViews = 3;
+  solved.next =
+      next_views(bundle, corners_mm(board), input.width_px, input.height_px, kAdvisedViews);
+}
+
 /// Which pictures pull, and what to photograph next. The views of a bundle are the accepted ones.
 template <class Picture>
 void review(const CalibrateInput& input,
             const Bundle& bundle,
             const std::vector<Picture>& pictures,
             SolvedCalibration& solved) {
-  constexpr int kAdvisedViews = 3;
   const std::vector<ViewInfluence> influences = view_influences(bundle);
   solved.influences.resize(pictures.size());
   std::size_t view = 0;
@@ -307,8 +325,7 @@ void review(const CalibrateInput& input,
       solved.influences[i] = influences[view++];
     }
   }
-  solved.next =
-      next_views(bundle, corners_mm(solved.board), input.width_px, input.height_px, kAdvisedViews);
+  advise(input, bundle, solved.board, solved);
 }
 
 void solve_with_poses(const CalibrateInput& input, SolvedCalibration& solved, ThreadPool& pool) {
@@ -329,7 +346,11 @@ void solve_with_poses(const CalibrateInput& input, SolvedCalibration& solved, Th
   }
   solved.scatter = board_scatter(solved.joint->mounting, solved.poses.hand_eye, pairs);
   predict_all(input, solved, pool);
-  review(input, solved.joint->bundle, solved.joint->pictures, solved);
+  if (input.method) {
+    advise(input, solved.camera.bundle, input.board, solved);  // what it knows: the camera
+  } else {
+    review(input, solved.joint->bundle, solved.joint->pictures, solved);
+  }
   solved.prediction_rms_px =
       std::ranges::find(solved.methods, solved.method, &MethodPrediction::name)->rms_px;
 }

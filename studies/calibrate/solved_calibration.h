@@ -37,10 +37,12 @@ struct SolvedCalibration {
   double rms_px = 0.0;
   int prediction_folds = 0;                 ///< 0: there is no prediction
   std::optional<double> prediction_rms_px;  ///< of the method that was asked for
-  std::vector<double> predicted_rms_px;   ///< with poses: of each picture used, when it is left out
-  int five_fold_splits = 0;               ///< 0: without poses
+  std::vector<double> predicted_rms_px;  ///< with poses: of each picture used, when it is left out,
+                                         ///< by the method that was asked for
+  int five_fold_splits = 0;              ///< 0: without poses
   std::vector<MethodPrediction> methods;  ///< with poses: our own, then OpenCV's
-  std::vector<ViewInfluence> influences;  ///< of each picture; 0 where it is rejected
+  std::vector<ViewInfluence> influences;  ///< of each picture; 0 where it is rejected; not of a
+                                          ///< method of OpenCV
   ViewAdvice next;                        ///< what to photograph next
   std::vector<std::string> notes;         ///< what was guessed
 };

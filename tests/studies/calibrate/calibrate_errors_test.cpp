@@ -126,6 +126,40 @@ TEST_F(CalibrateErrors, CorruptFilesAreToldWithTheirPlace) {
                  "--from: takes the corners of a file; give no PICTURES beside it");
 }
 
+/// None is left aside in silence, whether or not the files exist.
+TEST_F(CalibrateErrors, OptionsOfOtherModesAreRefused) {
+  const std::vector<std::pair<Arguments, std::string>> slips = {
+      {{"--check", "C", "a.png", "--plan", "5"}, "--check takes no --plan"},
+      {{"--check", "C", "a.png", "--place", "x.csv"}, "--check takes no --place"},
+      {{"--check", "C", "a.png", "--method", "park"}, "--check takes no --method"},
+      {{"--plan", "5", "--place", "x.csv"}, "--plan takes no --place"},
+      {{"--plan", "5", "--camera", "c.toml", "a.png"}, "--plan takes no PICTURES"},
+      {{"--plan", "5", "--poses", "p.csv"}, "--plan takes no --poses"},
+      {{"--sensor", "D", "--points", "p.csv"}, "--sensor takes no --points"},
+      {{"--sensor", "D", "--set", "plan.seed=2"}, "--sensor takes no --set"},
+      {{"--print_board", "b.toml", "--method", "park"}, "--print_board takes no --method"},
+      {{"--print_board", "b.toml", "--set", "plan.seed=2"}, "--print_board takes no --set"},
+      {{"--place", "x.csv", "--from", "c.csv"}, "--place takes no --from"},
+      {{"--points", "p.csv", "--board", "b.toml"}, "--points takes no --board"},
+      {{"--cell", "cell.toml", "a.png"}, "--cell takes no PICTURES"},
+      {{"--cell", "cell.toml", "--poses", "p.csv"}, "--cell takes no --poses"},
+      {{"--cell", "cell.toml", "--set", "convention.unit=m"}, "--cell takes no --set"},
+      {{"--cell", "cell.toml", "--check", "C"}, "--cell takes no --check"},
+      {{"a.png", "--bits", "8"}, "--bits: needs --sensor"},
+      {{"a.png", "--move"}, "--move: needs --cell"},
+      {{"a.png", "--placements", "3"}, "--placements: needs --cell"},
+      {{"--check", "C", "a.png", "--move"}, "--check takes no --move"}};
+  for (const auto& [arguments, message] : slips) {
+    Arguments all = {"calibrate"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const ProgramResult result = glint_in(folder_, all);
+    EXPECT_EQ(result.code, 2) << message << "\n" << result.err;
+    EXPECT_THAT(result.err, ::testing::HasSubstr(message));
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+    EXPECT_EQ(result.out, "");
+  }
+}
+
 TEST_F(CalibrateErrors, ModesTakeTheirOwnOptionsOnly) {
   write_file(folder_ / "camera.toml", "[camera]\nwidth_px = 80\nheight_px = 60\nfocal_x_px = 90\n");
   expect_refused({}, {"--check", "none.json"}, "--check takes no --out");
@@ -142,7 +176,7 @@ TEST_F(CalibrateErrors, ModesTakeTheirOwnOptionsOnly) {
   without_out({"--check", "other.json", "--camera", "camera.toml"}, "--check takes no --camera");
   expect_refused({"grey1.png"}, {"--sensor", "."}, "--sensor takes no PICTURES");
   expect_refused({}, {"--sensor", "."}, "holds neither levels.csv");
-  expect_refused({}, {"--bits", "8"}, "--bits: is for --sensor");
+  expect_refused({}, {"--bits", "8"}, "--bits: needs --sensor");
   expect_refused({}, {"--plan", "5", "--board", "board.toml"}, "--camera: is missing");
   expect_refused(
       {},
@@ -242,7 +276,8 @@ TEST_F(CalibrateErrors, PosesTheWrongWayRoundAreToldWithBothReadings) {
                   "--poses",
                   (set / "poses.csv").string()},
                  "they agree with --setup eye_to_hand, or, which no picture tells from it, --set "
-                 "convention.direction=flange_from_base --setup eye_in_hand");
+                 "convention.direction=flange_from_base --setup eye_in_hand; the poses were read "
+                 "with unit = \"mm\": guessed");
 }
 
 TEST_F(CalibrateErrors, PosesThatContradictThePicturesAreTold) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What people see of a calibration: page, corners, check, straight pictures, plan, points.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <regex>
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 
 using Json = nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// Pictures of a chessboard by others, or none where they are not.
 class CalibrateOutput : public CalibrateVerb {
@@ -107,6 +109,65 @@ TEST_F(CalibrateOutput, CornersOfARobotsPicturesGiveTheSameHandEye) {
   EXPECT_EQ(again["pictures"], result["pictures"]);
 }
 
+/// Numbers to what the solver's last step leaves open, everything else alike.
+void expect_near(const Json& found, const Json& wanted, const std::string& where) {
+  ASSERT_EQ(found.is_number(), wanted.is_number()) << where;
+  if (wanted.is_number()) {
+    const double value = wanted.get<double>();
+    EXPECT_NEAR(found.get<double>(), value, 5e-4 * std::max(1.0, std::abs(value))) << where;
+  } else if (wanted.is_structured()) {
+    ASSERT_EQ(found.size(), wanted.size()) << where;
+    for (const auto& [key, value] : wanted.items()) {
+      const bool is_list = wanted.is_array();
+      expect_near(is_list ? found[static_cast<std::size_t>(std::stoi(key))] : found.at(key),
+                  value,
+                  where + "." + key);
+    }
+  } else {
+    EXPECT_EQ(found, wanted) << where;
+  }
+}
+
+/// What is told of guesses, and where files are, may differ.
+void expect_same_calibration(Json again, Json result) {
+  for (const char* key : {"notes", "report", "folder"}) {
+    again.erase(key);
+    result.erase(key);
+  }
+  expect_near(again, result, "");
+}
+
+TEST_F(CalibrateOutput, TheFolderOfACalibrationAloneGivesItAgain) {
+  if (franka().result.is_null() || board_on_robot().result.is_null()) {
+    GTEST_SKIP() << "no photographs";
+  }
+  // With a known camera and poses in metres, one a file.
+  const std::string arm = (franka().folder / "out").string();
+  expect_same_calibration(result_of({"calibrate", "--from", arm, "--out", "arm"}), franka().result);
+
+  // With a tool's tip that is taken off the poses.
+  const fs::path set = photographs("calibration/board_on_robot");
+  const Json result = result_of({"calibrate",
+                                 "--from",
+                                 (board_on_robot().folder / "out").string(),
+                                 "--poses",
+                                 (set / "poses.csv").string(),
+                                 "--set",
+                                 "convention.flange_from_tcp=[1, 2, 30, 0.1, 0, 0.2]",
+                                 "--out",
+                                 "out"});
+  EXPECT_NE(result["board"]["pose"], board_on_robot().result["board"]["pose"]);
+  const std::string poses = read_file(folder_ / "out/poses.toml");
+  EXPECT_THAT(poses, HasSubstr("flange_from_tcp = [1, 2, 30, 0.1, 0, 0.2]: removed"));
+  EXPECT_THAT(poses, HasSubstr("name = \"img04.png\""));
+  expect_same_calibration(result_of({"calibrate", "--from", "out", "--out", "again"}), result);
+
+  fs::remove(folder_ / "out/poses.toml");
+  const ProgramResult refused = glint_in(folder_, {"calibrate", "--from", "out", "--out", "third"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--from out: has no poses.toml"));
+}
+
 TEST_F(CalibrateOutput, CheckTellsWhetherACalibrationStillHolds) {
   calibrated("left0");
   Arguments check = {"calibrate", "--check", "out"};
@@ -148,7 +209,29 @@ TEST_F(CalibrateOutput, CheckByPosesFindsACameraThatWasMoved) {
   EXPECT_EQ(valid["status"], "valid") << valid;
   EXPECT_EQ(valid["by"], "prediction");
 
+  // A file whose mark no picture showed, and whose squares were measured, is the same board.
   Json calibration = Json::parse(read_file(folder_ / "out/calibration.json"));
+  calibration["board"]["given_mark"] = true;
+  calibration["board"]["given_square_mm"] = 10.03;
+  write_file(folder_ / "out/calibration.json", calibration.dump());
+  write_file(folder_ / "mark.toml",
+             "[board]\ncols = 9\nrows = 7\nsquare_mm = 10.03\nmark = true\n");
+  Arguments by_file = check;
+  by_file.insert(by_file.end(), {"--board", "mark.toml"});
+  const Json same = result_of(by_file);
+  EXPECT_EQ(same["rms_px"], valid["rms_px"]);
+  EXPECT_THAT(same["notes"].dump(), Not(HasSubstr("show the mark")));
+
+  // What the poses predict is compared with nothing where it is not known.
+  Json unknown = calibration;
+  unknown["prediction_rms_px"] = nullptr;
+  write_file(folder_ / "out/calibration.json", unknown.dump());
+  const Json open = result_of(check, 1);
+  EXPECT_EQ(open["status"], "not_judged");
+  EXPECT_EQ(open["expected_px"], nullptr);
+  EXPECT_EQ(open["rms_px"], valid["rms_px"]);
+  EXPECT_THAT(open["notes"].dump(), HasSubstr("prediction_rms_px is null"));
+
   Json& place = calibration["hand_eye"]["translation_mm"];
   place[0] = place[0].get<double>() + 20.0;
   write_file(folder_ / "out/calibration.json", calibration.dump());
@@ -272,6 +355,27 @@ TEST_F(CalibrateOutput, PlanGivesPosesThatThePosesReaderTakes) {
                                   "--out",
                                   "strided"});
   EXPECT_NE(strided["poses"], plan["poses"]);
+}
+
+TEST_F(CalibrateOutput, PlanStaysWhereTheLensIsSharp) {
+  write_file(folder_ / "rough.toml",
+             "[camera]\nwidth_px = 640\nheight_px = 480\npixel_um = 5\nfocal_mm = 8\n"
+             "object_pixel_mm = 0\n[lens]\nfocus_mm = 600\nf_number = 4\n");
+  write_file(folder_ / "board.toml", "[board]\ncols = 9\nrows = 6\nsquare_mm = 8\n");
+  const auto planned = [&](const Arguments& more) {
+    Arguments all = {"calibrate", "--plan", "6", "--board", "board.toml", "--camera", "rough.toml"};
+    all.insert(all.end(), more.begin(), more.end());
+    return result_of(all);
+  };
+  // 2.0 mm of pupil, 8.108 mm of image distance: sharp where |1/600 - 1/z| is below 3.08e-4.
+  const Json sharp = planned({"--out", "sharp"});
+  EXPECT_NEAR(sharp["near_mm"].get<double>(), 506.0, 1.0);
+  EXPECT_THAT(sharp["notes"].dump(), HasSubstr("sharp to one pixel from 506"));
+  const Json said =
+      planned({"--out", "said", "--set", "plan.near_mm=450", "--set", "plan.far_mm=700"});
+  EXPECT_EQ(said["near_mm"], 450.0);
+  EXPECT_EQ(said["far_mm"], 700.0);
+  EXPECT_EQ(said["notes"], Json::array());
 }
 
 TEST_F(CalibrateOutput, PlanForARobotIsInItsBaseAndPointsFallWhereTheBoardIs) {

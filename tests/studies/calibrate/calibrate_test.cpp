@@ -276,6 +276,17 @@ TEST_F(CalibrateVerb, FindsTheCameraOnAFrankaArm) {
   EXPECT_EQ(park["hand_eye"]["sigma_mm"], nullptr);
   EXPECT_NEAR(park["hand_eye"]["scatter_deg"].get<double>(), 0.458, 0.02);
   EXPECT_NEAR(park["hand_eye"]["scatter_mm"].get<double>(), 5.415, 0.06);
+  EXPECT_EQ(park["point_error_px"]["rms"], nullptr);
+  // Its own predictions of the pictures, of 54 corners each, and no figures of our solution.
+  double square = 0.0;
+  for (std::size_t i = 0; i < park["pictures"].size(); ++i) {
+    const Json& picture = park["pictures"][i];
+    square += std::pow(picture["prediction_px"].get<double>(), 2) / 8.0;
+    EXPECT_EQ(picture["chi_square"], nullptr);
+    EXPECT_EQ(picture["influence"], nullptr);
+    EXPECT_NE(picture["rms_px"], result["pictures"][i]["rms_px"]);
+  }
+  EXPECT_NEAR(std::sqrt(square), park["prediction_rms_px"].get<double>(), 1e-5);
 }
 
 TEST_F(CalibrateVerb, PrintsABoard) {

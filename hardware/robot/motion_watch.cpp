@@ -14,7 +14,22 @@ constexpr double kBeginTimeoutS = 2.0;
 constexpr double kReasonS =
     0.1;  ///< how long the controller's reason may come after the stop itself
 constexpr double kArrivedRad = 2e-3;
+constexpr double kArrivedMm = 1.0;  ///< of the TCP, at the end of a line
+constexpr double kArrivedTurnRad = 5e-3;
 constexpr double kSlowestScaling = 0.05;
+constexpr double kOffWayRad = 0.03;  ///< controllers cut no corners: a joint lags along the way
+constexpr double kOffWayMm = 10.0;
+constexpr double kStandsS = 0.25;  ///< a program of Glint's does not let the arm stand so long
+constexpr double kSlowestMeanRadS = 0.02;  ///< slower motions may look like a standstill
+
+/// How far a point is from the segment between two others: its largest component.
+double off_segment(const auto& from, const auto& to, const auto& at) {
+  const auto way = (to - from).eval();
+  const double length_sq = way.squaredNorm();
+  const double share =
+      length_sq > 0.0 ? std::clamp((at - from).dot(way) / length_sq, 0.0, 1.0) : 0.0;
+  return (at - from - share * way).cwiseAbs().maxCoeff();
+}
 
 /// Words by which controllers name poses that they find no joints for.
 constexpr std::array<std::string_view, 5> kKinematicWords = {
@@ -70,13 +85,16 @@ void MotionWatch::end(MotionOutcome outcome, std::string text, bool must_stop) {
 
 void MotionWatch::on_package(const RobotState& state, double now_s) {
   end_by_stamp_ = end_by_stamp_.value_or(state.timestamp_s + longest_s_);
+  start_mm_ = start_mm_.value_or(state.base_from_tcp.translation());
+  is_program_running_ = state.is_program_running();
   if (const MotionOutcome stop = stop_of(state.safety_mode); stop != MotionOutcome::kDone) {
     end(stop, fmt::format("safety mode {}", name_of(state.safety_mode)), false);
   } else if (state.robot_mode != RobotMode::kRunning) {
     end(MotionOutcome::kProgramStopped,
         fmt::format("robot mode {}", name_of(state.robot_mode)),
         false);
-  } else if (is_within_limits(state)) {
+  } else if (is_within_limits(state) && is_on_its_way(state)) {
+    look_for_other_program(state);
     look_at_program(state, now_s);
   }
   if (state.timestamp_s > *end_by_stamp_) {
@@ -99,20 +117,70 @@ bool MotionWatch::is_within_limits(const RobotState& state) {
   return !result_;
 }
 
-void MotionWatch::look_at_program(const RobotState& state, double now_s) {
+/// A line's goal is a pose: whose joints a controller finds by its own calibration.
+bool MotionWatch::has_arrived(const RobotState& state) const {
+  if (motion_.kind == CheckedMotion::Kind::kJoints) {
+    return (state.actual_q_rad - motion_.goal_rad).cwiseAbs().maxCoeff() < kArrivedRad;
+  }
+  const JointVector left = pose_difference(state.base_from_tcp, motion_.base_from_tcp);
+  return left.head<3>().norm() < kArrivedMm && left.tail<3>().norm() < kArrivedTurnRad;
+}
+
+// Whatever moves the arm elsewhere is stopped: the way was checked, other ways were not.
+bool MotionWatch::is_on_its_way(const RobotState& state) {
   has_begun_ = has_begun_ || state.ack == ack_.begun || state.ack == ack_.ended;
-  if (!has_begun_ || state.is_program_running() || !state.is_still()) {
+  const bool is_joints = motion_.kind == CheckedMotion::Kind::kJoints;
+  const double off_rad = off_segment(motion_.start_rad, motion_.goal_rad, state.actual_q_rad);
+  const double off_mm = off_segment(
+      *start_mm_, motion_.base_from_tcp.translation(), state.base_from_tcp.translation());
+  if (has_begun_ && (is_joints ? off_rad > kOffWayRad : off_mm > kOffWayMm)) {
+    end(MotionOutcome::kProgramStopped,
+        "the arm has left its way: another program runs on the controller",
+        true);
+  }
+  return !result_;
+}
+
+/// A program that took the place of ours is left alone: while the arm stands, it moves nothing.
+void MotionWatch::look_for_other_program(const RobotState& state) {
+  const double way_rad = (motion_.goal_rad - motion_.start_rad).cwiseAbs().maxCoeff();
+  const double mean_rad_s = state.speed_scaling * way_rad / std::max(motion_.duration_s, 1e-3);
+  if (!has_begun_ || state.runtime_state != RuntimeState::kPlaying || !state.is_still() ||
+      has_arrived(state) || mean_rad_s < kSlowestMeanRadS) {
+    stands_from_s_.reset();
+    return;
+  }
+  stands_from_s_ = stands_from_s_.value_or(state.timestamp_s);
+  if (state.timestamp_s - *stands_from_s_ > kStandsS) {
+    end(MotionOutcome::kProgramStopped,
+        "another program runs on the controller: the arm stands short of its goal",
+        false);
+  }
+}
+
+void MotionWatch::look_at_program(const RobotState& state, double now_s) {
+  if (is_program_running_ || !state.is_still()) {
     stopped_at_s_.reset();
     return;
   }
   stopped_at_s_ = stopped_at_s_.value_or(now_s);
-  const double left_rad = (state.actual_q_rad - motion_.goal_rad).cwiseAbs().maxCoeff();
-  if (state.ack == ack_.ended && left_rad < kArrivedRad) {
+  if (!has_begun_) {
+    look_at_refusal(now_s);
+  } else if (state.ack == ack_.ended && has_arrived(state)) {
     end(MotionOutcome::kDone, "", false);
   } else if (now_s - *stopped_at_s_ > kReasonS) {
     end(is_kinematic_ ? MotionOutcome::kUnreachable : MotionOutcome::kProgramStopped,
         message_.empty() ? "the program ended before the arm had arrived" : message_,
         false);
+  }
+}
+
+/// An exception may be another program's: what may begin yet is stopped.
+void MotionWatch::look_at_refusal(double now_s) {
+  if (is_refused_ && now_s - *stopped_at_s_ > kReasonS) {
+    end(is_kinematic_ ? MotionOutcome::kUnreachable : MotionOutcome::kProgramStopped,
+        message_,
+        true);
   }
 }
 
@@ -123,10 +191,13 @@ void MotionWatch::on_message(const PrimaryMessage& message) {
   message_ = message.text;
   is_kinematic_ = is_kinematic(message.text);
   if (!has_begun_ && message.kind == PrimaryMessage::Kind::kRuntimeException) {
-    end(is_kinematic_ ? MotionOutcome::kUnreachable : MotionOutcome::kProgramStopped,
-        message_,
-        false);
+    is_refused_ = true;
+    stopped_at_s_.reset();
   }
+}
+
+void MotionWatch::on_interrupt() {
+  end(MotionOutcome::kProgramStopped, "interrupted", true);
 }
 
 void MotionWatch::on_lost(const std::string& why) {
@@ -136,7 +207,12 @@ void MotionWatch::on_lost(const std::string& why) {
 // When the arm should have arrived is told by the controller's own clock, in on_package(): it is
 // that clock by which it moves. A clock that stands still is a lost link.
 void MotionWatch::on_time(double now_s) {
-  if (!has_begun_ && now_s > begin_by_s_) {
+  if (has_begun_ || !(now_s > begin_by_s_)) {
+    return;
+  }
+  if (is_program_running_) {
+    end(MotionOutcome::kProgramStopped, "another program runs on the controller", false);
+  } else {
     end(MotionOutcome::kTimeout, "the controller did not begin the motion", true);
   }
 }

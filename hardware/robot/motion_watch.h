@@ -32,6 +32,7 @@ class MotionWatch {
   void on_package(const RobotState& state, double now_s);
   void on_message(const PrimaryMessage& message);
   void on_lost(const std::string& why);
+  void on_interrupt();
   void on_time(double now_s);
 
   const std::optional<MotionResult>& result() const { return result_; }
@@ -42,7 +43,11 @@ class MotionWatch {
  private:
   void end(MotionOutcome outcome, std::string text, bool must_stop);
   bool is_within_limits(const RobotState& state);
+  bool has_arrived(const RobotState& state) const;
+  bool is_on_its_way(const RobotState& state);
+  void look_for_other_program(const RobotState& state);
   void look_at_program(const RobotState& state, double now_s);
+  void look_at_refusal(double now_s);
 
   CheckedMotion motion_;
   ScriptAck ack_;
@@ -52,9 +57,13 @@ class MotionWatch {
   double longest_s_;                    ///< that the motion may take, by the controller's clock
   std::optional<double> end_by_stamp_;  ///< of that clock, once a package has told the time
   bool has_begun_ = false;
-  std::optional<double> stopped_at_s_;  ///< when the program was first seen not to run any more
-  std::string message_;                 ///< the controller's reason
-  bool is_kinematic_ = false;           ///< the reason is that there are no joints for the pose
+  bool is_program_running_ = false;      ///< by the newest package
+  std::optional<double> stopped_at_s_;   ///< when the program was first seen not to run any more
+  std::optional<double> stands_from_s_;  ///< of the controller's clock: still, short of the goal
+  std::optional<Eigen::Vector3d> start_mm_;  ///< of the TCP, as the controller told it first
+  std::string message_;                      ///< the controller's reason
+  bool is_refused_ = false;    ///< the reason came before the motion had begun, as an exception
+  bool is_kinematic_ = false;  ///< the reason is that there are no joints for the pose
   std::optional<MotionResult> result_;
   bool must_stop_ = false;
 };

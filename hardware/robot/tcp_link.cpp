@@ -163,6 +163,19 @@ std::string TcpLink::read(double timeout_s) {
   return {impl_->bytes.data(), count};
 }
 
+void TcpLink::finish(double timeout_s) {
+  const auto begin = std::chrono::steady_clock::now();
+  error_code ignored;
+  impl_->socket.shutdown(tcp::socket::shutdown_send, ignored);
+  try {
+    while (seconds_since(begin) < timeout_s) {
+      read(timeout_s - seconds_since(begin));
+    }
+  } catch (const IoError&) {
+    return;  // closed
+  }
+}
+
 const std::string& TcpLink::peer() const {
   return impl_->peer;
 }

@@ -35,6 +35,10 @@ class TcpLink {
   /// @throws IoError when the peer has closed the connection
   std::string read(double timeout_s);
 
+  /// Tells the peer that nothing more comes, and waits until it closes, too: what was closed at
+  /// once might be thrown away unread.
+  void finish(double timeout_s);
+
   /// "127.0.0.1:30004", of the peer as it was reached.
   const std::string& peer() const;
 

@@ -7,6 +7,7 @@ namespace glint {
 namespace {
 
 constexpr double kStopTimeoutS = 3.0;
+constexpr double kQuietS = 0.1;  ///< still for so long after a stop was sent: nothing begins yet
 
 MotionResult refused(std::string text) {
   return {.outcome = MotionOutcome::kRefused, .text = std::move(text)};
@@ -22,7 +23,15 @@ UrDriver::UrDriver(UrSettings settings, ArmWithTool arm)
              .inputs = {},
              .rate_hz = 0.0}) {}
 
+std::string UrDriver::take_script_output() {
+  if (stopping_ && !stop_output_.empty()) {
+    stopping_->is_taken = true;
+  }
+  return std::exchange(motion_output_, {}) + std::exchange(stop_output_, {});
+}
+
 void UrDriver::on_rtde(std::string_view bytes, double now_s) {
+  told_s_ = now_s;
   try {
     rtde_.feed(bytes, [this, now_s] { on_package(now_s); });
   } catch (const ProtocolError& error) {
@@ -49,50 +58,75 @@ void UrDriver::on_package(double now_s) {
   }
   if (watch_) {
     watch_->on_package(state, now_s);
-    look_at_motion();
+    look_at_motion(now_s);
   }
-  if (stop_by_s_ && !state.is_program_running() && state.is_still()) {
-    stop_by_s_.reset();
-    result_ = result_ ? result_ : MotionResult{.outcome = MotionOutcome::kDone, .text = ""};
-  }
+  look_at_stop(now_s);
 }
 
+// A motion that has not gone out yet never does: it would be made after the stop.
 void UrDriver::halt(const MotionResult& result) {
+  motion_output_.clear();
   if (!halted_) {
     halted_ = result;
   }
 }
 
-void UrDriver::look_at_motion() {
+void UrDriver::look_at_motion(double now_s) {
   if (!watch_ || !watch_->result()) {
     return;
   }
   using enum MotionOutcome;
-  result_ = watch_->result();
-  if (watch_->must_stop()) {
-    script_output_ += stop_script(arm_.limits.joint_acceleration_rad_s2);
-  }
-  if (result_->outcome != kDone && result_->outcome != kUnreachable) {
-    halt(*result_);
-  }
+  const MotionResult result = *watch_->result();
+  const bool must_stop = watch_->must_stop();
   watch_.reset();
+  if (result.outcome != kDone && result.outcome != kUnreachable) {
+    halt(result);
+  }
+  if (must_stop) {
+    send_stop(result, now_s);
+  } else {
+    result_ = result;
+  }
+}
+
+void UrDriver::send_stop(const MotionResult& result, double now_s) {
+  motion_output_.clear();
+  stop_output_ = stop_script(arm_.limits.joint_acceleration_rad_s2);
+  stopping_ = Stopping{.by_s = now_s + kStopTimeoutS, .result = result, .quiet_from_s = {}};
+}
+
+void UrDriver::look_at_stop(double now_s) {
+  if (!stopping_ || !stopping_->is_taken) {
+    return;
+  }
+  if (is_blind_) {
+    result_ = stopping_->result;
+  } else if (state_->is_program_running() || !state_->is_still()) {
+    stopping_->quiet_from_s.reset();
+  } else {
+    stopping_->quiet_from_s = stopping_->quiet_from_s.value_or(now_s);
+    if (now_s - *stopping_->quiet_from_s >= kQuietS) {
+      result_ = stopping_->result;
+    }
+  }
+  if (result_) {
+    stopping_.reset();
+  }
 }
 
 void UrDriver::lose(const std::string& why) {
+  const MotionResult lost = {.outcome = MotionOutcome::kLost, .text = why};
+  lost_ = lost_.value_or(lost);
+  halt(lost);
+  still_ = StillPoseRule();
   if (watch_) {
     watch_->on_lost(why);
-    look_at_motion();
+    look_at_motion(told_s_);
   }
-  const MotionResult lost = {.outcome = MotionOutcome::kLost, .text = why};
-  if (stop_by_s_) {
-    stop_by_s_.reset();
-    result_ = result_ ? result_ : lost;
-  }
-  still_ = StillPoseRule();
-  halt(lost);
 }
 
 void UrDriver::on_rtde_closed(const std::string& why) {
+  is_blind_ = true;
   lose(why);
 }
 
@@ -103,7 +137,6 @@ void UrDriver::on_primary(std::string_view bytes) {
       const auto message = parse_primary(frame->kind, frame->payload);
       if (message && watch_) {
         watch_->on_message(*message);
-        look_at_motion();
       }
     }
   } catch (const ProtocolError& error) {
@@ -113,20 +146,31 @@ void UrDriver::on_primary(std::string_view bytes) {
 }
 
 void UrDriver::on_primary_closed(const std::string& why) {
+  if (stopping_) {
+    send_stop(stopping_->result, told_s_);
+  }
   lose(why);
 }
 
 void UrDriver::on_time(double now_s) {
+  told_s_ = now_s;
   if (state_ && now_s - new_at_s_ > stall_s(rtde_.rate_hz())) {
+    is_blind_ = true;
     lose(fmt::format("no new package for {:.2f} s", now_s - new_at_s_));
   }
   if (watch_) {
     watch_->on_time(now_s);
-    look_at_motion();
+    look_at_motion(now_s);
   }
-  if (stop_by_s_ && now_s > *stop_by_s_) {
-    stop_by_s_.reset();
-    result_ = MotionResult{.outcome = MotionOutcome::kTimeout, .text = "the arm did not stop"};
+  if (is_blind_) {
+    look_at_stop(now_s);
+  }
+  if (stopping_ && now_s > stopping_->by_s) {
+    const bool is_stop_alone = stopping_->result.is_done();
+    result_ = is_stop_alone ? MotionResult{.outcome = MotionOutcome::kTimeout, .text = ""}
+                            : stopping_->result;
+    result_->text += is_stop_alone ? "the arm did not stop" : "; the arm did not stop";
+    stopping_.reset();
     halt(*result_);
   }
 }
@@ -139,7 +183,7 @@ std::optional<RobotState> UrDriver::state(double now_s) const {
   return state;
 }
 
-std::optional<MotionResult> UrDriver::begin(const CheckedMotion& motion, double now_s) {
+std::optional<MotionResult> UrDriver::refusal(double now_s) const {
   if (!may_move_) {
     return refused("motion was not allowed with --move");
   }
@@ -149,11 +193,18 @@ std::optional<MotionResult> UrDriver::begin(const CheckedMotion& motion, double 
   if (!state_ || now_s - new_at_s_ > stall_s(rtde_.rate_hz())) {
     return refused("the robot's pose is unknown");
   }
-  if (watch_ || stop_by_s_) {
+  if (watch_ || stopping_) {
     return refused("a motion is going on");
   }
   if (std::string text = motion_refusal(*state_, arm_, settings_); !text.empty()) {
     return refused(std::move(text));
+  }
+  return std::nullopt;
+}
+
+std::optional<MotionResult> UrDriver::begin(const CheckedMotion& motion, double now_s) {
+  if (auto why = refusal(now_s)) {
+    return why;
   }
   if (!motion.is_allowed()) {
     return MotionResult{.outcome = MotionOutcome::kUnreachable, .text = motion.text};
@@ -163,7 +214,7 @@ std::optional<MotionResult> UrDriver::begin(const CheckedMotion& motion, double 
     return refused("the arm is not where the motion was planned from");
   }
   const ScriptAck ack = ScriptAck::after(state_->ack);
-  script_output_ += motion_script(motion, settings_.ack_register, ack);
+  motion_output_ = motion_script(motion, settings_.ack_register, ack);
   result_.reset();
   still_ = StillPoseRule();
   watch_.emplace(motion, ack, arm_, settings_, state_->speed_scaling, now_s);
@@ -174,14 +225,27 @@ std::optional<MotionResult> UrDriver::begin_stop(double now_s) {
   if (!may_move_) {
     return refused("stopping sends a script, which was not allowed with --move");
   }
-  if (halted_ && halted_->outcome == MotionOutcome::kLost) {
-    return halted_;  // nobody would tell that the arm has stopped
+  if (lost_) {
+    return lost_;  // nobody would tell that the arm has stopped
   }
-  script_output_ += stop_script(arm_.limits.joint_acceleration_rad_s2);
   result_.reset();
   watch_.reset();
-  stop_by_s_ = now_s + kStopTimeoutS;
+  send_stop({.outcome = MotionOutcome::kDone, .text = ""}, now_s);
   return std::nullopt;
+}
+
+void UrDriver::interrupt(double now_s) {
+  if (watch_) {
+    watch_->on_interrupt();
+    look_at_motion(now_s);
+  }
+}
+
+void UrDriver::explain_timeout(const std::string& why) {
+  if (result_ && result_->outcome == MotionOutcome::kTimeout) {
+    result_ = MotionResult{.outcome = MotionOutcome::kProgramStopped, .text = why};
+    halted_ = result_;
+  }
 }
 
 }  // namespace glint

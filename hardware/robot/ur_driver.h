@@ -26,12 +26,16 @@ class UrDriver {
 
   std::string take_rtde_output() { return rtde_.take_output(); }
 
-  std::string take_script_output() { return std::exchange(script_output_, {}); }
+  /// A motion is written out before the stop behind it. One that waits when the arm is stopped is
+  /// dropped.
+  std::string take_script_output();
 
   /// All times are seconds of one clock that never goes back.
   void on_rtde(std::string_view bytes, double now_s);
   void on_rtde_closed(const std::string& why);
   void on_primary(std::string_view bytes);
+
+  /// A stop that may not have arrived is to be written once more.
   void on_primary_closed(const std::string& why);
   void on_time(double now_s);
 
@@ -50,7 +54,18 @@ class UrDriver {
   std::optional<MotionResult> begin(const CheckedMotion& motion, double now_s);
   std::optional<MotionResult> begin_stop(double now_s);
 
-  /// Of the motion or stop that was begun last; none: it goes on.
+  /// Why no motion would be begun now, wherever it led; none: nothing speaks against one.
+  std::optional<MotionResult> refusal(double now_s) const;
+
+  /// Somebody wants the motion that goes on to end here.
+  void interrupt(double now_s);
+
+  /// A timeout whose reason was found out afterwards.
+  void explain_timeout(const std::string& why);
+
+  /// Of the motion or stop that was begun last; none: it goes on. An arm that has to be stopped
+  /// has its result when it stands still, or when it is known that it does not; without packages
+  /// that would tell, as soon as the stop was taken.
   const std::optional<MotionResult>& result() const { return result_; }
 
   /// After this stop nothing moves any more; none: there was none.
@@ -62,23 +77,37 @@ class UrDriver {
   void restart_still_pose() { still_ = StillPoseRule(); }
 
  private:
+  /// A stop that is waited for.
+  struct Stopping {
+    double by_s = 0.0;    ///< it must have worked
+    MotionResult result;  ///< when it has
+    bool is_taken = false;
+    std::optional<double> quiet_from_s;  ///< the arm still, no program
+  };
+
   void on_package(double now_s);
   void halt(const MotionResult& result);
-  void look_at_motion();
+  void look_at_motion(double now_s);
+  void send_stop(const MotionResult& result, double now_s);
+  void look_at_stop(double now_s);
   void lose(const std::string& why);
 
   UrSettings settings_;
   ArmWithTool arm_;
   RtdeClient rtde_;
   FrameSplitter primary_ = FrameSplitter::of_primary();
-  std::string script_output_;
+  std::string motion_output_;
+  std::string stop_output_;
   bool may_move_ = false;
   std::optional<RobotState> state_;
   double new_at_s_ = 0.0;  ///< when the newest package came
   std::optional<MotionWatch> watch_;
-  std::optional<double> stop_by_s_;  ///< a stop was sent and must have worked by then
+  double told_s_ = 0.0;  ///< the newest time that was given
+  std::optional<Stopping> stopping_;
   std::optional<MotionResult> result_;
   std::optional<MotionResult> halted_;
+  std::optional<MotionResult> lost_;  ///< a connection is gone, or RTDE has fallen silent
+  bool is_blind_ = false;             ///< no package would tell that the arm stands
   StillPoseRule still_;
 };
 

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kReadS = 0.005;  ///< how long the reader waits for one connection
 constexpr double kWriteS = 0.5;
+constexpr double kDashboardS = 2.0;
 constexpr auto kPoll = std::chrono::milliseconds(20);
 
 /// A text that begins with the peer's address, once: connections name it, protocols do not.
@@ -62,6 +63,7 @@ struct UrRobot::Impl {
       return;
     }
     if (!output.empty()) {
+      has_sent = true;
       link->write(output, kWriteS);
     }
     const std::string bytes = link->read(0.0);
@@ -97,15 +99,27 @@ struct UrRobot::Impl {
     try {
       TcpLink link(driver.settings().host, driver.settings().primary_port, kWriteS);
       link.write(output, kWriteS);
-      link.read(kWriteS);  // closed too early, the controller might drop what it has not read yet
+      link.finish(kWriteS);
     } catch (const IoError&) {
       return;  // there is nobody to stop; the result says that the link is lost
     }
   }
 
+  /// What waits goes out before the connection is closed, and arrives.
+  void finish_scripts() {
+    const auto is_written = [this] {
+      return try_serve([this] { serve_primary(); },
+                       [this](const std::string& why) { driver.on_primary_closed(why); });
+    };
+    if (!has_primary || !is_written()) {
+      send_last_stop();
+    } else if (has_sent) {
+      primary->finish(kWriteS);
+    }
+  }
+
   void read(const std::stop_token& token) {
     bool has_rtde = true;
-    bool has_primary = true;
     while (!token.stop_requested() && (has_rtde || has_primary)) {
       // Scripts first: a stop must go out even when RTDE has fallen silent.
       has_primary = has_primary &&
@@ -122,8 +136,43 @@ struct UrRobot::Impl {
         const std::lock_guard lock(mutex);
         driver.on_time(now_s());
       }
-      changed.notify_all();
+      end_round();
     }
+    finish_scripts();
+    const std::lock_guard lock(mutex);
+    has_ended = true;
+    changed.notify_all();
+  }
+
+  void end_round() {
+    const std::lock_guard lock(mutex);
+    ++rounds;
+    changed.notify_all();
+  }
+
+  /// Waits until the reader has taken what had come by now.
+  void wait_for_round(std::unique_lock<std::mutex>& lock) {
+    const std::uint64_t by = rounds + 2;  // the one that goes on may have read already
+    while (rounds < by && !has_ended) {
+      changed.wait_for(lock, kPoll);
+    }
+  }
+
+  /// e-Series: why the controller takes no scripts; empty: it does.
+  /// @throws IoError
+  std::string remote_problem() const {
+    const UrSettings& settings = driver.settings();
+    if (is_cb3(settings.model)) {
+      return {};
+    }
+    Dashboard dashboard(settings.host, settings.dashboard_port, kDashboardS);
+    const std::string reply = dashboard.ask("is in remote control");
+    return flag_of_reply(reply) == true
+               ? std::string()
+               : fmt::format(
+                     "the controller takes no scripts: remote control is off (\"{}\"); "
+                     "switch it on at the pendant",
+                     reply.substr(0, 80));
   }
 
   mutable std::mutex mutex;
@@ -132,6 +181,10 @@ struct UrRobot::Impl {
   UrDriver driver;
   TcpLink rtde;
   std::unique_ptr<TcpLink> primary;
+  bool has_primary = true;  ///< it is not lost; the reader's alone
+  bool has_sent = false;    ///< a script; the reader's alone
+  std::uint64_t rounds = 0;
+  bool has_ended = false;  ///< the reader
   std::string failure;
   std::jthread reader;  // last: ends before what it uses
 };
@@ -156,20 +209,12 @@ UrRobot::UrRobot(const UrSettings& settings, const ArmWithTool& arm, double time
 UrRobot::~UrRobot() = default;
 
 void UrRobot::allow_motion(const MotionPermit& permit) {
-  const UrSettings settings = impl_->driver.settings();
-  constexpr double kTimeoutS = 2.0;
-  if (!is_cb3(settings.model)) {
-    Dashboard dashboard(settings.host, settings.dashboard_port, kTimeoutS);
-    const std::string reply = dashboard.ask("is in remote control");
-    if (flag_of_reply(reply) != true) {
-      throw ConfigError(
-          fmt::format("{}: the controller takes no scripts: remote control is off (\"{}\"); "
-                      "switch it on at the pendant",
-                      settings.host,
-                      reply.substr(0, 80)));
-    }
+  const UrSettings& settings = impl_->driver.settings();
+  if (const std::string why = impl_->remote_problem(); !why.empty()) {
+    throw ConfigError(fmt::format("{}: {}", settings.host, why));
   }
-  auto link = std::make_unique<TcpLink>(settings.host, settings.primary_port, kTimeoutS);
+  constexpr double kConnectS = 2.0;
+  auto link = std::make_unique<TcpLink>(settings.host, settings.primary_port, kConnectS);
   const std::lock_guard lock(impl_->mutex);
   impl_->driver.allow_motion(permit);
   impl_->primary = std::move(link);
@@ -180,31 +225,83 @@ std::optional<RobotState> UrRobot::state() const {
   return impl_->driver.state(impl_->now_s());
 }
 
-MotionResult UrRobot::run(
-    const std::function<std::optional<MotionResult>(UrDriver&, double)>& begin) {
+MotionResult UrRobot::run(const Begin& begin) {
   std::unique_lock lock(impl_->mutex);
   if (auto refusal = begin(impl_->driver, impl_->now_s())) {
     return *refusal;
   }
   while (!impl_->driver.result()) {
     impl_->changed.wait_for(lock, kPoll);
+    if (is_interrupted()) {
+      impl_->driver.interrupt(impl_->now_s());
+    }
+    if (impl_->has_ended) {
+      impl_->driver.on_time(impl_->now_s());  // nobody else tells it any more
+    }
   }
   return *impl_->driver.result();
 }
 
+std::optional<MotionResult> UrRobot::refusal() {
+  using enum MotionOutcome;
+  if (is_interrupted()) {
+    return MotionResult{.outcome = kRefused, .text = "interrupted"};
+  }
+  {
+    const std::lock_guard lock(impl_->mutex);
+    if (auto why = impl_->driver.refusal(impl_->now_s())) {
+      return why;
+    }
+  }
+  try {
+    std::string why = impl_->remote_problem();
+    return why.empty() ? std::nullopt
+                       : std::optional(MotionResult{.outcome = kRefused, .text = std::move(why)});
+  } catch (const IoError& error) {
+    return MotionResult{.outcome = kRefused, .text = error.what()};
+  }
+}
+
+// Looking along the way takes a while, in which the reader goes on.
+MotionResult UrRobot::move(const std::function<CheckedMotion(const RobotState&)>& check) {
+  if (auto why = refusal()) {
+    return *why;
+  }
+  const CheckedMotion motion = check(state().value());
+  {
+    std::unique_lock lock(impl_->mutex);
+    impl_->wait_for_round(lock);
+  }
+  return explained(
+      run([&](UrDriver& driver, double now_s) { return driver.begin(motion, now_s); }));
+}
+
+/// A controller in local mode takes no scripts, and does not say so.
+MotionResult UrRobot::explained(const MotionResult& result) {
+  if (result.outcome != MotionOutcome::kTimeout) {
+    return result;
+  }
+  try {
+    const std::string why = impl_->remote_problem();
+    const std::lock_guard lock(impl_->mutex);
+    if (!why.empty()) {
+      impl_->driver.explain_timeout(why);
+    }
+    return impl_->driver.result().value_or(result);
+  } catch (const IoError&) {
+    return result;
+  }
+}
+
 MotionResult UrRobot::move_joints(const JointVector& goal_rad, double share) {
-  return run([&](UrDriver& driver, double now_s) -> std::optional<MotionResult> {
-    const auto state = driver.state(now_s);
-    const JointVector start_rad = state ? state->actual_q_rad : goal_rad;
-    return driver.begin(check_joint_motion(driver.arm(), start_rad, goal_rad, share), now_s);
+  return move([&](const RobotState& state) {
+    return check_joint_motion(impl_->driver.arm(), state.actual_q_rad, goal_rad, share);
   });
 }
 
 MotionResult UrRobot::move_line(const Eigen::Isometry3d& base_from_tcp, double share) {
-  return run([&](UrDriver& driver, double now_s) -> std::optional<MotionResult> {
-    const auto state = driver.state(now_s);
-    const JointVector start_rad = state ? state->actual_q_rad : JointVector::Zero();
-    return driver.begin(check_line_motion(driver.arm(), start_rad, base_from_tcp, share), now_s);
+  return move([&](const RobotState& state) {
+    return check_line_motion(impl_->driver.arm(), state.actual_q_rad, base_from_tcp, share);
   });
 }
 

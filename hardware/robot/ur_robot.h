@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <string>
@@ -29,6 +30,10 @@ class UrRobot final : public Robot {
   /// @throws IoError; ConfigError when remote control is off
   void allow_motion(const MotionPermit& permit);
 
+  /// Above 0 the arm is stopped where it is, and no motion begins.
+  /// @param interrupts  outlives this
+  void set_interrupt(const std::atomic<int>& interrupts) { interrupts_ = &interrupts; }
+
   std::optional<RobotState> state() const override;
   MotionResult move_joints(const JointVector& goal_rad, double share) override;
   MotionResult move_line(const Eigen::Isometry3d& base_from_tcp, double share) override;
@@ -49,9 +54,17 @@ class UrRobot final : public Robot {
 
  private:
   struct Impl;
-  MotionResult run(const std::function<std::optional<MotionResult>(UrDriver&, double)>& begin);
+  using Begin = std::function<std::optional<MotionResult>(UrDriver&, double)>;
+
+  bool is_interrupted() const { return interrupts_ != nullptr && *interrupts_ > 0; }
+
+  std::optional<MotionResult> refusal();
+  MotionResult move(const std::function<CheckedMotion(const RobotState&)>& check);
+  MotionResult run(const Begin& begin);
+  MotionResult explained(const MotionResult& result);
 
   std::unique_ptr<Impl> impl_;
+  const std::atomic<int>* interrupts_ = nullptr;
 };
 
 }  // namespace glint

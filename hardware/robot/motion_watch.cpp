@@ -20,7 +20,7 @@ constexpr double kSlowestScaling = 0.05;
 constexpr double kOffWayRad = 0.03;  ///< controllers cut no corners: a joint lags along the way
 constexpr double kOffWayMm = 10.0;
 constexpr double kStandsS = 0.25;  ///< a program of Glint's does not let the arm stand so long
-constexpr double kSlowestMeanRadS = 0.02;  ///< slower motions may look like a standstill
+constexpr double kSlowestMeanRadS = 0.01;  ///< slower motions may look like a standstill
 
 /// How far a point is from the segment between two others: its largest component.
 double off_segment(const auto& from, const auto& to, const auto& at) {

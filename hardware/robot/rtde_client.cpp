@@ -62,8 +62,12 @@ const RtdeValue& RtdeClient::value(std::string_view output) const {
 
 void RtdeClient::take_text(std::string_view payload) {
   const RtdeText text = parse_text(payload);
-  if (text.level <= 2 && texts_.size() < kMostTexts) {
-    texts_.push_back(text.message);
+  if (text.level > 2) {
+    return;
+  }
+  texts_.push_back(text.message);
+  if (texts_.size() > kMostTexts) {
+    texts_.erase(texts_.begin());
   }
 }
 

@@ -19,6 +19,9 @@ std::optional<JointVector> ArmMotion::goal_rad() const {
   if (const auto* joints = std::get_if<JointMotion>(&motion_)) {
     return joints->from_rad + joints->way_rad;
   }
+  if (const auto* line = std::get_if<LineMotion>(&motion_)) {
+    return line->goal_rad;
+  }
   return is_moving() ? std::nullopt : std::optional(joints_rad_);
 }
 
@@ -44,9 +47,24 @@ void ArmMotion::start_line(const Eigen::Isometry3d& flange_from_tcp,
   const double length_mm = line_length_mm(from, base_from_tcp);
   const Trapezoid along(
       length_mm, std::max(speed_mm_s, kSlowest), std::max(acceleration_mm_s2, kSlowest));
-  motion_ = LineMotion{.from = from, .to = base_from_tcp, .length_mm = length_mm, .along = along};
+  LineMotion line = {
+      .from = from, .to = base_from_tcp, .length_mm = length_mm, .along = along, .goal_rad = {}};
   time_s_ = 0.0;
   duration_s_ = along.duration_s();
+  motion_ = line;
+  line.goal_rad = end_of_line();
+  motion_ = line;
+}
+
+std::optional<JointVector> ArmMotion::end_of_line() const {
+  ArmMotion ahead = *this;
+  const double step_s = duration_s_ / (100.0 + std::get<LineMotion>(motion_).length_mm);
+  while (ahead.is_moving()) {
+    if (!ahead.advance(step_s).empty()) {
+      return std::nullopt;
+    }
+  }
+  return ahead.joints_rad();
 }
 
 void ArmMotion::start_stop(double deceleration_rad_s2) {
@@ -94,6 +112,11 @@ std::string ArmMotion::advance(double dt_s) {
 }
 
 std::string ArmMotion::advance_line(const LineMotion& line) {
+  if (time_s_ >= duration_s_ && line.goal_rad) {
+    joints_rad_ =
+        *line.goal_rad;  // not by Newton's method from elsewhere: the same to the last bit
+    return {};
+  }
   const double share = line.length_mm > 0.0 ? line.along.at(time_s_) / line.length_mm : 1.0;
   const Eigen::Isometry3d base_from_flange =
       pose_between(line.from, line.to, share) * flange_from_tcp_.inverse();

@@ -25,6 +25,7 @@ struct LineMotion {
   Eigen::Isometry3d to;
   double length_mm;
   Trapezoid along;
+  std::optional<JointVector> goal_rad;  ///< none: the arm does not get there
 };
 
 /// Joints that slow down together, each with the same share of its speed.
@@ -46,7 +47,8 @@ class ArmMotion {
 
   bool is_moving() const { return !std::holds_alternative<std::monostate>(motion_); }
 
-  /// Where the motion leads; the arm's joints when there is none, none known for lines.
+  /// Where the motion leads; the arm's joints when there is none; none: a
+  /// line that ends on its way, or a stop.
   std::optional<JointVector> goal_rad() const;
 
   /// How much of the motion's time has passed, 0 to 1; 1 when there is none.
@@ -64,6 +66,7 @@ class ArmMotion {
 
  private:
   std::string advance_line(const LineMotion& line);
+  std::optional<JointVector> end_of_line() const;
 
   const Arm* arm_;
   Eigen::Isometry3d flange_from_tcp_ = Eigen::Isometry3d::Identity();

@@ -360,6 +360,7 @@ bool TwinController::execute_motion(const ScriptStatement& statement) {
                        pose_of(target),
                        kMmPerM * statement.number("v", 2, 0.25),
                        kMmPerM * statement.number("a", 1, 1.2));
+    is_held_ = settings_.holds_motions && motion_.goal_rad().has_value();
     return true;
   }
   JointVector goal_rad;

@@ -32,8 +32,8 @@ struct TwinSettings {
   std::uint64_t token = 0;        ///< told by the output glint_twin_token; 0: there is none
   bool has_newer_outputs = true;  ///< tcp_offset, payload and payload_cog
   std::string serial_number = "20190000000";
-  /// Each motion to joints waits at its start until hold_motion(false): somebody has to make a
-  /// picture of its goal first.
+  /// Each motion waits at its start until hold_motion(false): somebody has to make a picture of
+  /// its goal first.
   bool holds_motions = false;
 };
 

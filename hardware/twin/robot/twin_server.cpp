@@ -298,25 +298,34 @@ struct TwinServer::Impl {
     close_clients();
     if (fault == FaultKind::kRestart) {
       twin.restart();
-      for (Port* port : {&rtde, &primary, &secondary, &dashboard}) {
-        error_code ignored;
-        port->acceptor.close(ignored);
-      }
-      reopening.expires_after(std::chrono::seconds(1));
-      reopening.async_wait([this](const error_code& error) {
-        if (!error) {
-          reopen();
-        }
-      });
+      reopen_after(std::chrono::seconds(1));
     }
   }
 
+  void reopen_after(Clock::duration wait) {
+    for (Port* port : {&rtde, &primary, &secondary, &dashboard}) {
+      error_code ignored;
+      port->acceptor.close(ignored);
+    }
+    reopening.expires_after(wait);
+    reopening.async_wait([this](const error_code& error) {
+      if (!error) {
+        reopen();
+      }
+    });
+  }
+
+  /// Somebody else may have taken a port meanwhile, and give it back.
   void reopen() {
     const std::lock_guard lock(mutex);
-    for (Port* port : {&rtde, &primary, &secondary, &dashboard}) {
-      listen(*port);
+    try {
+      for (Port* port : {&rtde, &primary, &secondary, &dashboard}) {
+        listen(*port);
+      }
+      accept_all();
+    } catch (const boost::system::system_error&) {
+      reopen_after(std::chrono::milliseconds(200));
     }
-    accept_all();
   }
 
   void close_clients() {

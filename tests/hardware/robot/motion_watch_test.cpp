@@ -34,6 +34,15 @@ struct WatchedMotion {
     return state;
   }
 
+  /// Before the motion begins.
+  RobotState idle_package(double stamp_s) const {
+    RobotState state = package(stamp_s, 0.0);
+    state.actual_qd_rad_s.setZero();
+    state.runtime_state = RuntimeState::kStopped;
+    state.ack = 0;
+    return state;
+  }
+
   UrSettings settings = test_robot(ArmModel::kUr3e);
   ArmWithTool arm;
   ScriptAck ack = {.begun = 1, .ended = 2};
@@ -82,6 +91,73 @@ TEST(MotionWatch, StopsAtOnePackageOutsideTheBox) {
   EXPECT_TRUE(motion.watch.must_stop());
   motion.watch.on_package(motion.package(0.116, 100.0), 0.116);
   EXPECT_EQ(motion.watch.result()->outcome, MotionOutcome::kLimit) << "back within, it stays so";
+}
+
+// Whose exception it is, is not known: what may begin yet is stopped.
+TEST(MotionWatch, AnExceptionBeforeTheMotionBeginsEndsItInAStop) {
+  WatchedMotion motion;
+  motion.watch.on_message({.kind = PrimaryMessage::Kind::kRuntimeException, .text = "no reason"});
+  EXPECT_FALSE(motion.watch.result().has_value());
+  motion.watch.on_package(motion.idle_package(0.1), 0.1);
+  EXPECT_FALSE(motion.watch.result().has_value());
+  motion.watch.on_package(motion.idle_package(0.25), 0.25);
+  ASSERT_TRUE(motion.watch.result().has_value());
+  EXPECT_EQ(motion.watch.result()->outcome, MotionOutcome::kProgramStopped);
+  EXPECT_EQ(motion.watch.result()->text, "no reason");
+  EXPECT_TRUE(motion.watch.must_stop());
+}
+
+TEST(MotionWatch, GoesOnAfterAnExceptionWhenTheMotionBegins) {
+  WatchedMotion motion;
+  motion.watch.on_message({.kind = PrimaryMessage::Kind::kRuntimeException, .text = "another's"});
+  for (const double stamp_s : {0.1, 0.2, 0.3, 0.4}) {
+    motion.watch.on_package(motion.package(stamp_s, 100.0), stamp_s);
+    EXPECT_FALSE(motion.watch.result().has_value());
+  }
+}
+
+TEST(MotionWatch, StopsAnArmThatLeavesItsWay) {
+  WatchedMotion motion;
+  RobotState state = motion.package(0.1, 100.0);
+  state.actual_q_rad[0] += 0.2;
+  state.actual_q_rad[5] += 0.02;
+  motion.watch.on_package(state, 0.1);
+  EXPECT_FALSE(motion.watch.result().has_value()) << "on its way";
+  state.timestamp_s = 0.108;
+  state.actual_q_rad[5] += 0.02;
+  motion.watch.on_package(state, 0.108);
+  ASSERT_TRUE(motion.watch.result().has_value());
+  EXPECT_EQ(motion.watch.result()->outcome, MotionOutcome::kProgramStopped);
+  EXPECT_THAT(motion.watch.result()->text, HasSubstr("has left its way"));
+  EXPECT_TRUE(motion.watch.must_stop());
+}
+
+// A slider at nought and a paused program hold the arm without another program.
+TEST(MotionWatch, NamesAnotherProgramByAnArmThatStands) {
+  for (const int kind : {0, 1, 2}) {
+    WatchedMotion motion;
+    for (int i = 0; i < 50; ++i) {
+      RobotState state = motion.package(0.1 + 0.008 * i, 0.0);
+      state.actual_qd_rad_s.setZero();
+      state.speed_scaling = kind == 1 ? 0.0 : 1.0;
+      state.runtime_state = kind == 2 ? RuntimeState::kPaused : RuntimeState::kPlaying;
+      motion.watch.on_package(state, state.timestamp_s);
+    }
+    ASSERT_EQ(motion.watch.result().has_value(), kind == 0) << kind;
+    EXPECT_FALSE(motion.watch.must_stop());
+  }
+}
+
+TEST(MotionWatch, AProgramThatRunsInsteadOfTheMotionIsLeftAlone) {
+  WatchedMotion motion;
+  RobotState state = motion.package(0.1, 0.0);
+  state.ack = 0;
+  motion.watch.on_package(state, 0.1);
+  motion.watch.on_time(2.1);
+  ASSERT_TRUE(motion.watch.result().has_value());
+  EXPECT_EQ(motion.watch.result()->outcome, MotionOutcome::kProgramStopped);
+  EXPECT_THAT(motion.watch.result()->text, HasSubstr("another program"));
+  EXPECT_FALSE(motion.watch.must_stop());
 }
 
 TEST(Stall, IsFivePeriodsAndAFifthOfASecondAtLeast) {

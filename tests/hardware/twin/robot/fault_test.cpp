@@ -71,7 +71,8 @@ INSTANTIATE_TEST_SUITE_P(
                     FaultCase{FaultKind::kRestart, kLost, "closed"},
                     FaultCase{FaultKind::kOldStamps, kLost, "no new package"},
                     FaultCase{FaultKind::kWrongTcp, kLimit, "TCP"},
-                    FaultCase{FaultKind::kRemoteOff, kProgramStopped, "before the arm"}),
+                    FaultCase{FaultKind::kRemoteOff, kProgramStopped, "before the arm"},
+                    FaultCase{FaultKind::kOtherProgram, kProgramStopped, "another program"}),
     [](const testing::TestParamInfo<FaultCase>& one) {
       return std::string(kFaultNames.at(static_cast<std::size_t>(one.param.fault)));
     });

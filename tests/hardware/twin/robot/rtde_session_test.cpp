@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/twin/robot/rtde_session.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/hardware/twin/robot/twin_harness.h"
@@ -108,6 +109,17 @@ TEST(RtdeSession, OlderControllersDoNotKnowNewerOutputs) {
   HeldInputs held;
   RtdeSession session(twin, held);
   EXPECT_EQ(Bench::recipe(session, outputs_request(125.0, {"payload"})).types[0], "NOT_FOUND");
+}
+
+TEST(RtdeClient, KeepsTheNewestTexts) {
+  RtdeClient client({.outputs = {"timestamp"}});
+  for (int i = 1; i <= 25; ++i) {
+    client.feed(text_package({.message = fmt::format("{}", i), .source = "test", .level = 1}),
+                [] {});
+  }
+  ASSERT_EQ(client.texts().size(), 20U);
+  EXPECT_EQ(client.texts().front(), "6");
+  EXPECT_EQ(client.texts().back(), "25");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/twin/robot/twin_controller.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,6 +41,33 @@ TEST(TwinController, MovesInATrapezoid) {
   step(twin, 1.4);
   EXPECT_TRUE(twin.view().is_still);
   EXPECT_NEAR(twin.view().joints_rad[0], 1.0, 1e-12);
+}
+
+// Where a line ends has to be known before it begins, to the last bit.
+TEST(TwinController, LinesWaitForTheirPictureToo) {
+  TwinSettings settings = test_twin(ArmModel::kUr3);
+  settings.holds_motions = true;
+  TwinController twin(settings);
+  const Eigen::Isometry3d at = settings.arm.forward(test_start_rad()) * settings.flange_from_tcp;
+  const JointVector six = pose_difference(at, Eigen::Isometry3d::Identity());
+  run(twin,
+      fmt::format("movel(p[{}, {}, {}, {}, {}, {}], a=0.5, v=0.1)",
+                  1e-3 * six[0],
+                  1e-3 * (six[1] + 40.0),
+                  1e-3 * six[2],
+                  six[3],
+                  six[4],
+                  six[5]));
+  step(twin, 1.0);
+  ASSERT_TRUE(twin.view().is_held);
+  ASSERT_TRUE(twin.view().goal_rad.has_value());
+  const JointVector goal_rad = *twin.view().goal_rad;
+  EXPECT_LT((twin.view().joints_rad - test_start_rad()).norm(), 1e-4);
+  twin.hold_motion(false);
+  step(twin, 2.0);
+  EXPECT_TRUE(twin.view().is_still);
+  EXPECT_EQ(twin.view().joints_rad, goal_rad);
+  EXPECT_GT((goal_rad - test_start_rad()).norm(), 0.05);
 }
 
 TEST(TwinController, MotionWaitsWhileItIsHeldAndTheClockAlmost) {

@@ -26,9 +26,12 @@ bool is_stop(MotionOutcome outcome) {
   return outcome != kDone && outcome != kUnreachable && outcome != kRefused;
 }
 
-TwinHarness::TwinHarness(ArmModel model)
-    : twin(test_twin(model)),
-      driver(test_robot(model), arm_with_tool(test_robot(model), test_limits())),
+TwinHarness::TwinHarness(ArmModel model) : TwinHarness(test_twin(model)) {}
+
+TwinHarness::TwinHarness(const TwinSettings& settings)
+    : twin(settings),
+      driver(test_robot(settings.arm.model()),
+             arm_with_tool(test_robot(settings.arm.model()), test_limits())),
       session_(std::make_unique<RtdeSession>(twin, held_)) {
   driver.allow_motion(MotionPermit::from_command_line(true, "test"));
   run(0.1);
@@ -42,8 +45,11 @@ void TwinHarness::pass_to_driver(const std::string& bytes) {
 }
 
 void TwinHarness::cycle() {
-  const double dt_s = 1.0 / twin.rate_hz();
-  now_s_ += dt_s;
+  pass_scripts();
+  pass_packages();
+}
+
+void TwinHarness::pass_scripts() {
   const std::string script = driver.take_script_output();
   scripts_ += script;
   if (is_linked_) {
@@ -56,6 +62,11 @@ void TwinHarness::cycle() {
       }
     }
   }
+}
+
+void TwinHarness::pass_packages() {
+  const double dt_s = 1.0 / twin.rate_hz();
+  now_s_ += dt_s;
   twin.step(dt_s);
   look_for_fault();
   if (is_linked_) {
@@ -88,6 +99,13 @@ void TwinHarness::run(double duration_s) {
   const double until_s = now_s_ + duration_s;
   while (now_s_ < until_s) {
     cycle();
+  }
+}
+
+void TwinHarness::run_without_scripts(double duration_s) {
+  const double until_s = now_s_ + duration_s;
+  while (now_s_ < until_s) {
+    pass_packages();
   }
 }
 

@@ -26,8 +26,14 @@ class TwinHarness {
  public:
   explicit TwinHarness(ArmModel model = ArmModel::kUr3e);
 
+  /// @param settings  of the twin; the driver knows the nominal arm
+  explicit TwinHarness(const TwinSettings& settings);
+
   /// Cycles of the controller for so long.
   void run(double duration_s);
+
+  /// The same without a script going out.
+  void run_without_scripts(double duration_s);
 
   /// Begins a motion, and runs until it has a result.
   /// @return none: it has none within 60 s
@@ -50,6 +56,8 @@ class TwinHarness {
 
  private:
   void cycle();
+  void pass_scripts();
+  void pass_packages();
   void pass_to_driver(const std::string& bytes);
   void look_for_fault();
   std::optional<MotionResult> finish(const CheckedMotion& motion);

@@ -87,6 +87,49 @@ TEST(UrRobot, ReadingSendsNothingToScriptsAndDashboard) {
   EXPECT_EQ(server.num_command_bytes(), 0U);
 }
 
+// The program may end as soon as it knows the result.
+TEST(UrRobot, AMotionThatHasToBeStoppedStandsStillWhenTheRobotIsLetGo) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  JointVector goal_rad = near_goal_rad();
+  goal_rad[0] += 1.5;
+  {
+    const UrSettings settings = settings_for(server, ArmModel::kUr3);
+    UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+    robot.allow_motion(MotionPermit::from_command_line(true, "test"));
+    server.add_fault({.kind = FaultKind::kOverspeed, .when = Fault::When::kMoving, .delay_s = 0.5});
+    EXPECT_EQ(robot.move_joints(goal_rad, 1.0).outcome, MotionOutcome::kLimit);
+  }
+  const JointVector at_rad = server.view().joints_rad;
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  EXPECT_TRUE(server.view().is_still);
+  EXPECT_EQ(server.view().joints_rad, at_rad);
+  EXPECT_GT((at_rad - goal_rad).norm(), 0.1);
+}
+
+TEST(UrRobot, StopsWithinATimeAfterAStopAndACut) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  const UrSettings settings = settings_for(server, ArmModel::kUr3);
+  UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+  robot.allow_motion(MotionPermit::from_command_line(true, "test"));
+  server.add_fault({.kind = FaultKind::kProtectiveStop});
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  server.add_fault({.kind = FaultKind::kCut});
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(robot.stop().outcome, MotionOutcome::kLost);
+}
+
+TEST(UrRobot, AsksForRemoteControlBeforeEachMotion) {
+  TwinServer server(on_free_ports(ArmModel::kUr3e));
+  const UrSettings settings = settings_for(server, ArmModel::kUr3e);
+  UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+  robot.allow_motion(MotionPermit::from_command_line(true, "test"));
+  server.add_fault({.kind = FaultKind::kRemoteOff});
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  const MotionResult result = robot.move_joints(near_goal_rad(), 1.0);
+  EXPECT_EQ(result.outcome, MotionOutcome::kRefused);
+  EXPECT_THAT(result.text, HasSubstr("remote control is off"));
+}
+
 /// A fault on the way to a goal, and what the product makes of it. A goal that is not to be reached
 /// is seconds away: a busy machine may notice the fault late.
 void expect_outcome(FaultKind fault, MotionOutcome outcome) {
@@ -193,6 +236,21 @@ TEST(TwinServer, IsBoundToTheLoopbackNetworkAlone) {
     open.address = address;
     EXPECT_THROW(TwinServer{open}, ConfigError) << address;
   }
+}
+
+TEST(TwinServer, GoesOnWhenAPortIsTakenWhileItRestarts) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  server.add_fault({.kind = FaultKind::kRestart});
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  {
+    TwinServerSettings other = on_free_ports(ArmModel::kUr3);
+    other.ports.primary = server.ports().primary;
+    const TwinServer taker(other);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+    EXPECT_FALSE(is_proven_twin("127.0.0.1", server.ports().rtde)) << "not open yet";
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  EXPECT_TRUE(is_proven_twin("127.0.0.1", server.ports().rtde));
 }
 
 TEST(TwinServer, APortThatIsTakenIsNamed) {

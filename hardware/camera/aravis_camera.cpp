@@ -62,10 +62,15 @@ class AravisDriver final : public CameraDriver {
 
   bool is_network() const { return arv_camera_is_gv_device(camera_.get()) != FALSE; }
 
+  /// By the newer name of the feature; else it is GainRaw.
+  bool is_gain_in_db() const {
+    return arv_device_is_feature_available(device(), "Gain", nullptr) != FALSE;
+  }
+
   void describe_ranges(CameraDescription& description);
   void set_region(const CameraConfiguration& configuration);
   void set_exposure(double exposure_us);
-  void set_gain(double gain);
+  void set_gain(const CameraConfiguration& configuration);
   void set_packets(const CameraConfiguration& configuration);
   void check_packet_size();
   DriverFrame frame_of(ArvBuffer* buffer) const;
@@ -134,7 +139,7 @@ void AravisDriver::describe_ranges(CameraDescription& description) {
       camera, &description.min_exposure_us, &description.max_exposure_us, failure.slot());
   failure.check("exposure");
   description.has_gain = arv_camera_is_gain_available(camera, nullptr) != FALSE;
-  description.is_gain_in_db = arv_device_is_feature_available(device(), "Gain", nullptr) != FALSE;
+  description.is_gain_in_db = is_gain_in_db();
   if (description.has_gain) {
     arv_camera_get_gain_bounds(camera, &description.min_gain, &description.max_gain, nullptr);
   }
@@ -199,22 +204,36 @@ void AravisDriver::set_exposure(double exposure_us) {
   failure.check("exposure_us");
 }
 
-void AravisDriver::set_gain(double gain) {
+void AravisDriver::set_gain(const CameraConfiguration& configuration) {
+  if (!configuration.gain_db && !configuration.gain_raw) {
+    return;
+  }
   ArvCamera* camera = camera_.get();
+  const char* const key = configuration.gain_db ? "gain_db" : "gain_raw";
+  const double gain = configuration.gain_db ? *configuration.gain_db : *configuration.gain_raw;
   if (arv_camera_is_gain_available(camera, nullptr) == FALSE) {
-    throw ConfigError("gain", "this camera has none");
+    throw ConfigError(key, "this camera has no gain");
   }
   double min = 0.0;
   double max = 0.0;
   Failure failure;
   arv_camera_get_gain_bounds(camera, &min, &max, failure.slot());
-  failure.check("gain");
-  check_range("gain", gain, min, max);
+  failure.check(key);
+  const bool is_in_db = is_gain_in_db();
+  if (configuration.gain_db.has_value() != is_in_db) {
+    throw ConfigError(key,
+                      fmt::format("this camera's gain is in {}: give {}, {:.10g} to {:.10g}",
+                                  is_in_db ? "dB" : "steps of its own",
+                                  is_in_db ? "gain_db" : "gain_raw",
+                                  min,
+                                  max));
+  }
+  check_range(key, gain, min, max);
   if (arv_camera_is_gain_auto_available(camera, nullptr) != FALSE) {
     arv_camera_set_gain_auto(camera, ARV_AUTO_OFF, nullptr);
   }
   arv_camera_set_gain(camera, gain, failure.slot());
-  failure.check("gain");
+  failure.check(key);
 }
 
 // The test packet is sent when the stream is made.
@@ -242,9 +261,7 @@ DriverSettings AravisDriver::configure(const CameraConfiguration& configuration)
   failure.check("format");
   set_region(configuration);
   set_exposure(configuration.exposure_us);
-  if (configuration.gain) {
-    set_gain(*configuration.gain);
-  }
+  set_gain(configuration);
   for (const auto& [name, value] : configuration.features) {
     Failure refused;
     arv_device_set_features_from_string(

@@ -61,7 +61,8 @@ struct CameraConfiguration {
   PixelFormat format = PixelFormat::kMono8;
   std::optional<SensorRegion> region = {};  ///< empty: the whole sensor
   double exposure_us = 10000.0;             ///< > 0
-  std::optional<double> gain = {};          ///< in the camera's own unit
+  std::optional<double> gain_db = {};       ///< for cameras that have it in dB
+  std::optional<double> gain_raw = {};      ///< for the others: in steps of the maker's own
   std::optional<int> packet_size = {};      ///< bytes; tested before it is used
   bool uses_packet_sockets = true;          ///< where the system allows them
   /// Any other feature by its name, in this order.

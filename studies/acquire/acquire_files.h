@@ -52,7 +52,7 @@ class AcquireFiles {
   const AcquireWork& work_;
   Eigen::Isometry3d tcp_from_flange_;
   PoseSigma sigma_;
-  double gain_db_ = 0.0;
+  std::optional<double> gain_db_;
   std::optional<StageWay> way_;  ///< of a linear stage
 };
 

@@ -62,7 +62,7 @@ Json picture_json(const AcquiredPicture& picture) {
           {"position_sigma_mm", picture.position_sigma_mm},
           {"rotation_sigma_rad", picture.rotation_sigma_rad},
           {"exposure_us", picture.exposure_us},
-          {"gain_db", picture.gain_db},
+          {"gain_db", picture.gain_db ? Json(*picture.gain_db) : Json(nullptr)},
           {"stage_mm", picture.stage_mm ? Json(*picture.stage_mm) : Json(nullptr)},
           {"frame_id", picture.frame_id},
           {"camera_time_ns", picture.camera_time_ns},
@@ -84,12 +84,14 @@ AcquiredPicture picture_of_json(const Json& json) {
                                .position_sigma_mm = json.at("position_sigma_mm"),
                                .rotation_sigma_rad = json.at("rotation_sigma_rad"),
                                .exposure_us = json.at("exposure_us"),
-                               .gain_db = json.at("gain_db"),
                                .frame_id = json.at("frame_id"),
                                .camera_time_ns = json.at("camera_time_ns"),
                                .host_time_s = json.at("host_time_s"),
                                .sharpness = json.value("sharpness", 0.0),
                                .sha256 = json.at("sha256")};
+    if (!json.at("gain_db").is_null()) {
+      picture.gain_db = json.at("gain_db").get<double>();
+    }
     if (!json.at("stage_mm").is_null()) {
       picture.stage_mm = json.at("stage_mm").get<double>();
     }

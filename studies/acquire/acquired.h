@@ -37,7 +37,7 @@ struct AcquiredPicture {
   double position_sigma_mm = 0.0;   ///< of base_from_flange, along each axis
   double rotation_sigma_rad = 0.0;  ///< about each
   double exposure_us = 0.0;
-  double gain_db = 0.0;
+  std::optional<double> gain_db;   ///< none: the cell says none in dB
   std::optional<double> stage_mm;  ///< none: there is no stage, or it is no linear one
   std::uint64_t frame_id = 0;
   std::uint64_t camera_time_ns = 0;

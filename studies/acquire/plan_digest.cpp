@@ -27,7 +27,11 @@ Json work_json(const AcquireWork& work, const AcquireSource& source, const Cell&
     json["tasks"].push_back({task.name, task.point, task.lights, task.exposure_us});
   }
   const CellCamera& camera = camera_of(cell);
-  json["camera"] = {static_cast<int>(camera.pixel_format), camera.gain_db, camera.region_px};
+  json["camera"] = {
+      static_cast<int>(camera.pixel_format), camera.gain_db.value_or(0.0), camera.region_px};
+  if (camera.gain_raw) {
+    json["camera"].push_back(*camera.gain_raw);
+  }
   if (source.scene) {
     json["built_lights"] = built_lights(*source.scene);
   }

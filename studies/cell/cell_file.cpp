@@ -236,6 +236,23 @@ const CellPosition& position_named(const std::vector<CellPosition>& positions,
 
 }  // namespace
 
+namespace {
+
+void visit_gain(KeyVisitor& keys, CellCamera& camera) {
+  double gain_db = 0.0;
+  double gain_raw = 0.0;
+  keys.number("gain_db", gain_db, Range::between(0, 60), "of pictures; without it as it is");
+  keys.number("gain_raw",
+              gain_raw,
+              Range::at_least(0),
+              "the same, of a camera whose gain is in steps of its own");
+  camera.gain_db = keys.is_given("gain_db") ? std::optional(gain_db) : std::nullopt;
+  camera.gain_raw = keys.is_given("gain_raw") ? std::optional(gain_raw) : std::nullopt;
+  keys.require(!camera.gain_db || !camera.gain_raw, "gain_raw", "must not be given beside gain_db");
+}
+
+}  // namespace
+
 void visit_keys(KeyVisitor& keys, CellCamera& camera) {
   keys.text("id", camera.id, "vendor, model and serial number, as glint cell list tells them");
   keys.text("address", camera.address, "IPv4 address");
@@ -244,7 +261,7 @@ void visit_keys(KeyVisitor& keys, CellCamera& camera) {
               camera.exposure_s,
               {.min = 0.0, .max = 60e6, .min_excluded = true},
               "of pictures where a view has no other");
-  keys.number("gain_db", camera.gain_db, Range::between(0, 60), "of pictures");
+  visit_gain(keys, camera);
   keys.integer("packet_bytes",
                camera.packet_bytes,
                Range::between(0, 65535),

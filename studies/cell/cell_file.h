@@ -48,9 +48,10 @@ struct CellCamera {
   std::string address;  ///< IPv4; empty: found by id
   CellPixelFormat pixel_format = CellPixelFormat::kMono8;
   double exposure_s = 0.01;
-  double gain_db = 0.0;
-  int packet_bytes = 0;           ///< 0: as large as a test packet gets through
-  std::vector<double> region_px;  ///< x, y, width, height; empty: the whole sensor
+  std::optional<double> gain_db;   ///< neither: as the camera has it
+  std::optional<double> gain_raw;  ///< of a camera whose gain is in steps of its own
+  int packet_bytes = 0;            ///< 0: as large as a test packet gets through
+  std::vector<double> region_px;   ///< x, y, width, height; empty: the whole sensor
   std::vector<CellFeature> features;
 };
 

@@ -200,7 +200,8 @@ CameraConfiguration camera_configuration_of(const CellCamera& camera) {
   CameraConfiguration configuration;
   configuration.format = kFormats.at(static_cast<std::size_t>(camera.pixel_format));
   configuration.exposure_us = 1e6 * camera.exposure_s;
-  configuration.gain = camera.gain_db;
+  configuration.gain_db = camera.gain_db;
+  configuration.gain_raw = camera.gain_raw;
   if (camera.packet_bytes > 0) {
     configuration.packet_size = camera.packet_bytes;
   }

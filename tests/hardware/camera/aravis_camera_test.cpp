@@ -37,7 +37,7 @@ TEST(AravisCamera, DrivesACameraWithTheOlderNames) {
   EXPECT_FALSE(camera.description().is_gain_in_db);
   camera.configure({.region = SensorRegion{.x_px = 0, .y_px = 0, .width_px = 64, .height_px = 48},
                     .exposure_us = 500.0,
-                    .gain = 2.0});
+                    .gain_raw = 2.0});
   camera.start();
   const Frame frame = camera.capture();
   ASSERT_TRUE(frame.is_complete()) << frame.what;
@@ -53,14 +53,25 @@ TEST(AravisCamera, RefusesWhatTheCameraDoesNotAllow) {
   AravisCamera& camera = *opened;
   EXPECT_THAT(configure_error(camera, {.exposure_us = 5.0}),
               HasSubstr("exposure_us: is 5, this camera allows 10 to "));
-  EXPECT_THAT(configure_error(camera, {.gain = 20.0}),
-              HasSubstr("gain: is 20, this camera allows 0 to 10"));
+  EXPECT_THAT(configure_error(camera, {.gain_raw = 20.0}),
+              HasSubstr("gain_raw: is 20, this camera allows 0 to 10"));
+  EXPECT_THAT(
+      configure_error(camera, {.gain_db = 2.0}),
+      HasSubstr("gain_db: this camera's gain is in steps of its own: give gain_raw, 0 to 10"));
   EXPECT_THAT(configure_error(
                   camera, {.region = SensorRegion{.x_px = 2000, .width_px = 100, .height_px = 9}}),
               HasSubstr("region_px: 100 x 9 pixels from (2000, 0) do not lie on the sensor"));
   EXPECT_THAT(configure_error(camera, {.features = {{"NoSuchFeature", "1"}}}),
               HasSubstr("features.NoSuchFeature"));
   EXPECT_EQ(camera.state(), CameraState::kReady);
+}
+
+TEST(AravisCamera, KeepsItsGainWhenNoneIsGiven) {
+  const auto opened = simulated_by_aravis();
+  opened->configure({.gain_raw = 3.0});
+  opened->configure({});
+  opened->start();
+  EXPECT_EQ(opened->capture().gain, 3.0);
 }
 
 TEST(AravisCamera, NamesACameraThatIsNotThere) {

@@ -112,7 +112,7 @@ TEST(CameraTwin, TellsWhatItIs) {
   EXPECT_EQ(description.min_exposure_us, 10.0);
   EXPECT_TRUE(description.has_software_trigger);
   camera.configure({.exposure_us = 2500.5,
-                    .gain = 6.25,
+                    .gain_db = 6.25,
                     .packet_size = 4000,
                     .features = {{"BlackLevel", "12.5"}}});
   EXPECT_EQ(camera.description().packet_size, 4000);
@@ -133,7 +133,7 @@ TEST(CameraTwin, RefusesWhatIsOutOfRange) {
   const TwinProcess process(address);
   AravisCamera camera(ipv4_text(address));
   EXPECT_THROW(camera.configure({.exposure_us = 5.0}), ConfigError);
-  EXPECT_THROW(camera.configure({.gain = 25.0}), ConfigError);
+  EXPECT_THROW(camera.configure({.gain_db = 25.0}), ConfigError);
   EXPECT_THROW(camera.configure({.features = {{"BlackLevel", "-1"}}}), ConfigError);
   EXPECT_THROW(camera.configure({.packet_size = 70000}), ConfigError);
   camera.configure({.exposure_us = 10.0});

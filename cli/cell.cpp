@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/cell.h"
+#include "cli/shell/interrupts.h"
 #include "studies/cell/cell_robot.h"
 #include "studies/cell/twin_process.h"
 #include "studies/cell/typed_permit.h"
@@ -155,10 +156,14 @@ int move_to(const Cell& cell,
             const CellArguments& arguments,
             const CommonArguments& common,
             const MotionPermit& permit) {
-  const Json result = move_robot(
-      cell, position, {.share = arguments.speed_share, .is_line = arguments.is_line}, permit);
+  const Json result = move_robot(cell,
+                                 position,
+                                 {.share = arguments.speed_share,
+                                  .is_line = arguments.is_line,
+                                  .interrupt = &take_interrupts()},
+                                 permit);
   print_result(common, result, move_text(result));
-  return exit_code(result);
+  return result["status"] == "interrupted" ? kExitInterrupted : exit_code(result);
 }
 
 int move_action(const CellArguments& arguments, const CommonArguments& common) {
@@ -186,7 +191,7 @@ int unlock_action(const CellArguments& arguments, const CommonArguments& common)
 int power_action(const CellArguments& arguments, const CommonArguments& common) {
   const MotionPermit permit = permit_of(arguments);
   const Json result = power_robot(cell_of(arguments), !arguments.is_off, permit);
-  print_result(common, result, replies_text(result));
+  print_result(common, result, replies_text(result) + move_text(result));
   return exit_code(result);
 }
 

@@ -4,24 +4,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <iostream>
 #include <string>
 
-#include "cli/shell/exit_codes.h"
+#include "cli/shell/interrupts.h"
 
 namespace glint {
 namespace {
-
-/// Read by the acquisition; a signal handler can reach nothing but a global.
-std::atomic<int> interrupts = 0;
-
-void on_interrupt(int /*signal*/) {
-  if (interrupts.fetch_add(1) >= 1) {
-    ::_exit(kExitInterrupted);
-  }
-}
 
 /// A question to whoever sits at the terminal; nobody there is no.
 bool ask_person(const std::string& what) {
@@ -45,14 +34,12 @@ AcquireOptions driven_options(const AcquireArguments& arguments) {
           .mounted = arguments.mounted};
 }
 
-DrivenSession::DrivenSession(bool is_silent) : is_silent_(is_silent) {
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
-}
+DrivenSession::DrivenSession(bool is_silent)
+    : is_silent_(is_silent), interrupts_(take_interrupts()) {}
 
 void DrivenSession::attend(AcquireOptions& options) {
   options.confirm = ask_person;
-  options.interrupt = &interrupts;
+  options.interrupt = &interrupts_;
   options.progress = [this](int done, int total, const std::string& note) {
     if (!bar_) {
       bar_ =

@@ -4,6 +4,7 @@
 // terminal, the progress bar.
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "cli/acquire/acquire.h"
@@ -27,6 +28,7 @@ class DrivenSession {
 
  private:
   bool is_silent_;
+  const std::atomic<int>& interrupts_;
   std::unique_ptr<Progress> bar_;
 };
 

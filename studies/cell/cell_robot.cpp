@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/cell/cell_robot.h"
 
+#include <algorithm>
 #include <chrono>
+#include <initializer_list>
 #include <thread>
 
 #include <fmt/format.h>
@@ -106,18 +108,67 @@ Json command_all(const UrSettings& settings,
   return json;
 }
 
-/// Waits for a state of the robot. @return it came in time
-template <class Condition>
-bool wait_for(const UrRobot& robot, double timeout_s, const Condition& condition) {
+/// Waits for a mode of the robot, by states that are new.
+/// @param is_on  a robot that is stopped is not waited for
+/// @return done, or why it has not come
+MotionResult wait_for(const UrRobot& robot, bool is_on, std::initializer_list<RobotMode> wanted) {
+  using enum MotionOutcome;
+  constexpr double kOldS = 1.0;
   const auto start = std::chrono::steady_clock::now();
-  while (seconds_since(start) < timeout_s) {
-    const auto state = robot.state();
-    if (state && condition(*state)) {
-      return true;
+  while (seconds_since(start) < kPowerS) {
+    const auto halted = robot.halted();
+    if (halted && (is_on || halted->outcome == kLost)) {
+      return *halted;
+    }
+    const RobotState state = robot.state().value();
+    if (state.age_s > kOldS) {
+      return {.outcome = kLost, .text = fmt::format("no new package for {:.1f} s", state.age_s)};
+    }
+    if (std::ranges::find(wanted, state.robot_mode) != wanted.end()) {
+      return {.outcome = kDone, .text = ""};
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  return false;
+  return {.outcome = kTimeout,
+          .text = fmt::format(
+              "robot mode {} after {:.0f} s", name_of(robot.state().value().robot_mode), kPowerS)};
+}
+
+/// @param replies  to the commands, one after the other
+MotionResult change_power(const UrRobot& robot,
+                          const UrSettings& settings,
+                          bool is_on,
+                          const MotionPermit& permit,
+                          Json& replies) {
+  using enum MotionOutcome;
+  const auto send = [&](const char* command) -> MotionResult {
+    const Json sent = command_all(settings, {command}, permit);
+    const Json& reply = replies.emplace_back(sent["replies"][0]);
+    return sent["ok"] == true ? MotionResult{.outcome = kDone, .text = ""}
+                              : MotionResult{.outcome = kRefused, .text = reply["reply"]};
+  };
+  MotionResult result = send(is_on ? "power on" : "power off");
+  if (result.is_done() && is_on) {
+    result = wait_for(robot, is_on, {RobotMode::kIdle, RobotMode::kRunning});
+  }
+  if (result.is_done() && is_on) {
+    result = send("brake release");
+  }
+  return result.is_done()
+             ? wait_for(robot, is_on, {is_on ? RobotMode::kRunning : RobotMode::kPowerOff})
+             : result;
+}
+
+/// What an arm that has arrived says of its standstill, or what has stopped it there.
+Json standstill_json(UrRobot& robot) {
+  if (const auto pose = robot.still_pose(kStillS)) {
+    return {{"still", still_json(*pose)}};
+  }
+  const auto halted = robot.halted();
+  Json json = halted ? result_json(*halted)
+                     : Json{{"ok", false}, {"text", "the arm arrived, but does not stand still"}};
+  json["still"] = nullptr;
+  return json;
 }
 
 Json head_json(const Cell& cell, bool is_twin) {
@@ -153,10 +204,11 @@ Json watch_robot(const Cell& cell,
   const UrRobot robot(settings, arm_with_tool(settings, cell.limits));
   const auto start = std::chrono::steady_clock::now();
   int count = 0;
-  bool is_going_on = true;
-  while (is_going_on && seconds_since(start) < duration_s && !robot.halted()) {
-    is_going_on = tell(state_json(*robot.state()));
+  while (tell(state_json(*robot.state()))) {
     ++count;
+    if (robot.halted() || seconds_since(start) >= duration_s) {
+      break;
+    }
     std::this_thread::sleep_for(std::chrono::duration<double>(every_s));
   }
   Json json = head_json(cell, is_proven_twin(settings.host, settings.rtde_port));
@@ -179,21 +231,23 @@ Json move_robot(const Cell& cell,
   const ArmWithTool arm = arm_with_tool(settings, cell.limits);
   const JointVector goal_rad = joints_of(position);
   UrRobot robot(settings, arm);
+  if (motion.interrupt != nullptr) {
+    robot.set_interrupt(*motion.interrupt);
+  }
   robot.allow_motion(permit);
   const auto start = std::chrono::steady_clock::now();
   const MotionResult result = motion.is_line
                                   ? robot.move_line(arm.base_from_tcp(goal_rad), motion.share)
                                   : robot.move_joints(goal_rad, motion.share);
+  const bool is_interrupted =
+      !result.is_done() && motion.interrupt != nullptr && *motion.interrupt > 0;
   Json json = head_json(cell, is_twin);
-  json["status"] = "done";
+  json["status"] = is_interrupted ? "interrupted" : "done";
   json.update(result_json(result));
   json["position"] = position.name;
   json["duration_s"] = seconds_since(start);
   if (result.is_done()) {
-    const auto pose = robot.still_pose(kStillS);
-    json["still"] = pose ? still_json(*pose) : Json(nullptr);
-    json["ok"] = pose.has_value();
-    json["text"] = pose ? "" : "the arm arrived, but does not stand still";
+    json.update(standstill_json(robot));
   }
   return json;
 }
@@ -210,23 +264,10 @@ Json power_robot(const Cell& cell, bool is_on, const MotionPermit& permit) {
   const UrSettings& settings = robot_of(cell);
   const UrRobot robot(settings, arm_with_tool(settings, cell.limits));
   Json json = head_json(cell, is_proven_twin(settings.host, settings.rtde_port));
+  Json replies = Json::array();
   json["status"] = "done";
-  json.update(command_all(settings, {is_on ? "power on" : "power off"}, permit));
-  if (json["ok"] == true && is_on) {
-    const bool has_power = wait_for(robot, kPowerS, [](const RobotState& state) {
-      return state.robot_mode == RobotMode::kIdle || state.robot_mode == RobotMode::kRunning;
-    });
-    Json released = has_power ? command_all(settings, {"brake release"}, permit)
-                              : Json{{"ok", false}, {"replies", Json::array()}};
-    json["ok"] = released["ok"];
-    json["replies"].insert(
-        json["replies"].end(), released["replies"].begin(), released["replies"].end());
-  }
-  const RobotMode wanted = is_on ? RobotMode::kRunning : RobotMode::kPowerOff;
-  if (json["ok"] == true) {
-    json["ok"] = wait_for(
-        robot, kPowerS, [wanted](const RobotState& state) { return state.robot_mode == wanted; });
-  }
+  json.update(result_json(change_power(robot, settings, is_on, permit, replies)));
+  json["replies"] = replies;
   json["robot"] = state_json(*robot.state());
   return json;
 }

@@ -4,6 +4,7 @@
 // prints; "ok" tells whether the program ends with exit code 0 or 1.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <string>
 
@@ -27,10 +28,12 @@ nlohmann::ordered_json watch_robot(const Cell& cell,
 struct CellMotion {
   double share = 0.5;    ///< of the limits of speed, in (0, 1]
   bool is_line = false;  ///< the TCP goes straight (movel) instead of the joints (movej)
+  const std::atomic<int>* interrupt = nullptr;  ///< above 0: the arm is stopped where it is
 };
 
 /// To a position of the cell, and what the arm's pose is when it stands still there. A line takes
-/// the TCP where the position's joints have it, and may arrive with other joints.
+/// the TCP where the position's joints have it, and may arrive with other joints. "status" is
+/// "interrupted" when the arm did not arrive for that.
 nlohmann::ordered_json move_robot(const Cell& cell,
                                   const CellPosition& position,
                                   const CellMotion& motion,

@@ -8,7 +8,11 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <future>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -24,6 +28,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kReadyS = 60.0;
 constexpr double kEndS = 10.0;
+constexpr auto kLongestEnd = std::chrono::seconds(3);
 constexpr auto kPoll = std::chrono::milliseconds(20);
 
 std::atomic<bool> interrupted = false;
@@ -44,6 +49,21 @@ class RobotTwin final : public ServingTwin {
   TwinServer server_;
 };
 
+/// A twin ends when it is destroyed. What still renders a picture then is not waited for: the
+/// process ends.
+void end_twins(ServingTwins twins, const std::filesystem::path& ready_file) {
+  std::packaged_task<void()> task([ending = std::move(twins)]() mutable { ending.clear(); });
+  const std::future<void> ended = task.get_future();
+  std::thread(std::move(task)).detach();
+  if (ended.wait_for(kLongestEnd) == std::future_status::ready) {
+    return;
+  }
+  std::error_code ignored;
+  std::filesystem::remove(ready_file, ignored);
+  std::fflush(nullptr);
+  std::_Exit(0);
+}
+
 /// Serves in this process. @return the ready file's object
 Json serve_here(const std::function<ServingTwins()>& make,
                 const std::filesystem::path& ready_file,
@@ -51,7 +71,7 @@ Json serve_here(const std::function<ServingTwins()>& make,
   interrupted = false;
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
-  const ServingTwins twins = make();
+  ServingTwins twins = make();
   Json ready = {{"schema", 1}, {"status", "done"}, {"pid", ::getpid()}, {"twins", Json::array()}};
   for (const auto& twin : twins) {
     ready["twins"].push_back(twin->description());
@@ -67,6 +87,7 @@ Json serve_here(const std::function<ServingTwins()>& make,
   while (!is_over()) {
     std::this_thread::sleep_for(kPoll);
   }
+  end_twins(std::move(twins), ready_file);
   return ready;
 }
 

@@ -65,9 +65,10 @@ void CellPictures::leave() {
   stands_.reset();
 }
 
-bool CellPictures::wait_until_finished(std::chrono::milliseconds within) {
+bool CellPictures::wait_until_finished(std::chrono::milliseconds within,
+                                       const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, within, [&] { return !wanted_ && !is_rendering_; }) &&
+  return changed_.wait_for(lock, stop, within, [&] { return !wanted_ && !is_rendering_; }) &&
          error_.empty();
 }
 

@@ -10,6 +10,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>
@@ -43,8 +44,8 @@ class CellPictures final : public PictureSource {
   void set_live(std::function<std::optional<TwinCellState>()> live) { live_ = std::move(live); }
 
   /// Waits until the picture that was asked for last is finished: a simulated clock stands still
-  /// meanwhile. @return false: it took longer, or rendering failed
-  bool wait_until_finished(std::chrono::milliseconds within);
+  /// meanwhile. @return false: it took longer, rendering failed, or the stop was asked for
+  bool wait_until_finished(std::chrono::milliseconds within, const std::stop_token& stop = {});
 
   /// What went wrong with the last picture; empty: nothing.
   std::string error() const;

@@ -237,13 +237,13 @@ class Follower {
         pictures_(pictures),
         thread_([this](const std::stop_token& stop) {
           while (!stop.stop_requested()) {
-            look();
+            look(stop);
             std::this_thread::sleep_for(kBetweenLooks);
           }
         }) {}
 
  private:
-  void look() {
+  void look(const std::stop_token& stop) {
     if (const auto state = watch_.now()) {
       look_at_standstill(*state);
       return;
@@ -252,7 +252,7 @@ class Follower {
     key_.clear();
     if (const auto goal = watch_.goal()) {
       pictures_.announce(*goal);
-      pictures_.wait_until_finished(kLongestPicture);
+      pictures_.wait_until_finished(kLongestPicture, stop);
       robot_.hold_motion(false);
     }
   }

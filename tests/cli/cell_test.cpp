@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "tests/cli/cell_text.h"
 #include "tests/cli/counting_peer.h"
 #include "tests/cli/program.h"
 
@@ -14,38 +15,6 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
-
-std::string cell_text(int rtde, int primary, int secondary, int dashboard) {
-  return fmt::format(R"([robot]
-model = "ur3"
-host = "127.0.0.1"
-rtde_port = {}
-primary_port = {}
-secondary_port = {}
-dashboard_port = {}
-flange_from_tcp = [0, 0, 80, 0, 0, 0]
-tool_radius_mm = 35
-payload_kg = 0.6
-payload_cog_mm = [0, 0, 40]
-[limits]
-tool_speed_mm_s = 250
-tool_acceleration_mm_s2 = 500
-joint_speed_deg_s = 60
-joint_acceleration_deg_s2 = 120
-box_min_mm = [-600, -600, 20]
-box_max_mm = [600, 600, 900]
-[[safe_position]]
-name = "home"
-joints_deg = [0, -100, 100, -90, -90, 0]
-[[view]]
-name = "left"
-joints_deg = [10, -95, 95, -85, -90, 0]
-)",
-                     rtde,
-                     primary,
-                     secondary,
-                     dashboard);
-}
 
 /// A study with [validate] whose scene lies in the cell: when its only design is rendered, a run of
 /// it with --move acquires that design's pictures.

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `glint cell` when something comes in between: Ctrl-C, stops and lost links, on the twin of a
+// robot.
+#include <chrono>
+#include <csignal>
+#include <optional>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "hardware/robot/twin_proof.h"
+#include "tests/cli/cell_text.h"
+#include "tests/cli/program.h"
+#include "tests/cli/served_twins.h"
+
+namespace glint::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// A twin whose side channel is asked and told.
+class FaultyTwin {
+ public:
+  FaultyTwin() {
+    write_file(folder_ / "cell.toml", cell_text(30004, 30001, 30002, 29999));
+    twins_.emplace(folder_, "robot", "cell.toml");
+  }
+
+  const TemporaryFolder& folder() const { return folder_; }
+
+  std::string tell(const std::string& line) const {
+    return ask_side_channel(twins_->of("robot")["side_channel"].get<std::string>(), line)
+        .value_or("nothing");
+  }
+
+  void wait_for(const std::string& word) const {
+    for (int i = 0; i < 1000 && tell("state").find(word) == std::string::npos; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    EXPECT_THAT(tell("state"), HasSubstr(word));
+  }
+
+  static Arguments call(Arguments words) {
+    words.insert(words.begin(), "cell");
+    words.insert(words.end(), {"cell.toml", "--twin", "twin.json", "--json"});
+    return words;
+  }
+
+  ProgramResult run(const Arguments& words) const { return glint_in(folder_, call(words)); }
+
+ private:
+  TemporaryFolder folder_;
+  std::optional<ServedTwins> twins_;
+};
+
+TEST(CellInterrupt, StopsTheArmWhereItIs) {
+  const FaultyTwin twin;
+  Program program(twin.folder().path(),
+                  FaultyTwin::call({"move", "--view", "left", "--move", "--speed_share", "0.02"}));
+  twin.wait_for("moving");
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  program.send(SIGINT);
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.code, 130) << result.err;
+  const json told = json::parse(result.out);
+  EXPECT_EQ(told["status"], "interrupted");
+  EXPECT_EQ(told["outcome"], "program_stopped");
+  EXPECT_EQ(told["text"], "interrupted");
+  const std::string state = twin.tell("state");
+  EXPECT_THAT(state, HasSubstr("still"));
+  const double joint_rad = std::stod(state.substr(state.find('[') + 1));
+  EXPECT_GT(joint_rad, 0.0);
+  EXPECT_LT(joint_rad, 0.15) << "the goal is at 0.17";
+}
+
+TEST(CellMove, NamesAStopAfterArrival) {
+  const FaultyTwin twin;
+  EXPECT_EQ(twin.tell("fault protective_stop still 0.05"), "ok");
+  const ProgramResult result = twin.run({"move", "--view", "left", "--move"});
+  EXPECT_EQ(result.code, 1) << result.err;
+  const json told = json::parse(result.out);
+  EXPECT_EQ(told["outcome"], "protective_stop");
+  EXPECT_THAT(told["text"].get<std::string>(), HasSubstr("PROTECTIVE_STOP"));
+  EXPECT_EQ(told["still"], nullptr);
+}
+
+TEST(CellWatch, TellsTheStateOfARobotThatIsStopped) {
+  const FaultyTwin twin;
+  EXPECT_EQ(twin.tell("fault protective_stop"), "ok");
+  twin.wait_for("PROTECTIVE_STOP");
+  const ProgramResult result = twin.run({"watch"});
+  EXPECT_EQ(result.code, 1) << result.err;
+  EXPECT_EQ(json::parse(result.out)["states"], 1);
+}
+
+TEST(CellPower, ReleasesNoBrakesOfARobotThatIsLost) {
+  const FaultyTwin twin;
+  EXPECT_EQ(twin.tell("fault emergency_stop"), "ok");
+  twin.wait_for("POWER_OFF");
+  EXPECT_EQ(twin.tell("fault release"), "ok");
+  twin.wait_for("NORMAL");
+  EXPECT_EQ(twin.tell("fault old_stamps"), "ok");
+  const ProgramResult lost = twin.run({"power", "--move"});
+  EXPECT_EQ(lost.code, 1) << lost.err;
+  const json told = json::parse(lost.out);
+  EXPECT_EQ(told["outcome"], "lost");
+  EXPECT_THAT(told["text"].get<std::string>(), HasSubstr("no new package"));
+  EXPECT_EQ(told["replies"].size(), 1U);
+  EXPECT_EQ(twin.tell("fault release"), "ok");
+  const ProgramResult done = twin.run({"power", "--move"});
+  EXPECT_EQ(done.code, 0) << done.out;
+  EXPECT_EQ(json::parse(done.out)["outcome"], "done");
+}
+
+TEST(CellPower, NamesWhyARobotIsNotSwitchedOn) {
+  const FaultyTwin twin;
+  EXPECT_EQ(twin.tell("fault protective_stop"), "ok");
+  twin.wait_for("PROTECTIVE_STOP");
+  const ProgramResult result = twin.run({"power", "--move"});
+  EXPECT_EQ(result.code, 1) << result.err;
+  EXPECT_EQ(json::parse(result.out)["outcome"], "refused");
+}
+
+}  // namespace
+}  // namespace glint::test

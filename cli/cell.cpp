@@ -234,16 +234,17 @@ int twin_place(const CellArguments& arguments, const CommonArguments& common) {
 
 ServingTwins twins_of(const std::string& kind,
                       const Cell& cell,
-                      std::optional<int> port,
+                      const CellArguments& arguments,
                       int threads) {
   if (kind == "both") {
-    return both_twins_of(cell, port, threads);
+    return both_twins_of(cell, arguments.port, arguments.has_cable, threads);
   }
   if (kind == "camera") {
-    return camera_twin_of(cell, port == 0, threads);
+    return camera_twin_of(
+        cell, {.is_free = arguments.port == 0, .has_cable = arguments.has_cable}, threads);
   }
   ServingTwins twins;
-  twins.push_back(robot_twin_of(cell, port));
+  twins.push_back(robot_twin_of(cell, arguments.port));
   return twins;
 }
 
@@ -276,7 +277,7 @@ int twin_action(const CellArguments& arguments, const CommonArguments& common) {
   }
   check_twin_port(kind, arguments);
   const Cell cell = read_cell(arguments.words[1]);
-  serve_twins([&] { return twins_of(kind, cell, arguments.port, common.threads); },
+  serve_twins([&] { return twins_of(kind, cell, arguments, common.threads); },
               {.is_detached = arguments.is_detached, .ready_file = arguments.ready_file},
               [&common](const Json& ready) { print_result(common, ready, twins_text(ready)); });
   return kExitDone;

@@ -167,6 +167,7 @@ struct CellArguments {
   std::filesystem::path out;         ///< grab
   std::filesystem::path twin;        ///< ready file whose ports take the place of the cell's
   std::optional<int> port;           ///< twin
+  bool has_cable = false;            ///< twin: the camera's can be made bad
   bool is_detached = false;          ///< twin
   std::filesystem::path ready_file;  ///< twin
 };

@@ -338,13 +338,13 @@ void add_cell_twin_options(CLI::App& cell, CellArguments& arguments) {
   cell.add_option("--port", arguments.port, "twin: first port; 0: free ones; else the cell's")
       ->type_name("N")
       ->check(between(0, 65532));
+  cell.add_flag("--cable", arguments.has_cable, "twin: the camera's cable can be made bad");
   cell.add_flag("--detach", arguments.is_detached, "twin: go on in the background");
-  cell.add_option("--ready_file", arguments.ready_file, "twin: appears when the twins serve")
-      ->type_name("FILE")
-      ->check(not_empty());
-  cell.add_option("--twin", arguments.twin, "ports of this ready file instead of the cell's")
-      ->type_name("FILE")
-      ->check(not_empty());
+  const auto add_file = [&cell](const char* name, auto& file, const char* doc) {
+    cell.add_option(name, file, doc)->type_name("FILE")->check(not_empty());
+  };
+  add_file("--ready_file", arguments.ready_file, "twin: appears when the twins serve");
+  add_file("--twin", arguments.twin, "ports of this ready file instead of the cell's");
 }
 
 void add_cell_grab_options(CLI::App& cell, CellArguments& arguments) {

@@ -2,8 +2,6 @@
 #include "studies/twin_cell/cell_twins.h"
 
 #include <algorithm>
-#include <atomic>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -11,13 +9,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/thread_pool.h"
+#include "hardware/gige/packets.h"
 #include "hardware/gige/udp_socket.h"
 #include "hardware/twin/camera/camera_twin.h"
 #include "hardware/twin/robot/twin_server.h"
-#include "hardware/twin/side_channel/side_channel.h"
 #include "hardware/twin/stage/stage_twin.h"
-#include "studies/twin_cell/cell_pictures.h"
+#include "studies/twin_cell/camera_serving.h"
 
 namespace glint {
 namespace {
@@ -52,96 +49,6 @@ TwinCellState state_at_viewpoint(const Cell& cell, const Truth& truth) {
   return {.base_from_flange = truth.base_from_flange(inverse(camera_from_scene)),
           .lights = all_lights(cell)};
 }
-
-/// The camera's twin with its renderer; with a robot, what follows it.
-class CameraServing final : public ServingTwin {
- public:
-  CameraServing(const Cell& cell,
-                const Truth& truth,
-                std::uint32_t address,
-                const TwinCellState& state,
-                int threads)
-      : token_(fresh_token() % 1'000'000'000'000'000),
-        pool_(threads),
-        renderer_(truth, pool_),
-        pictures_(renderer_, state),
-        camera_({.address = address,
-                 .serial = "TWIN-" + cell.file.parent_path().filename().string().substr(0, 10),
-                 .user_name = std::to_string(token_),
-                 .sensor_width_px = renderer_.width_px(),
-                 .sensor_height_px = renderer_.height_px()},
-                pictures_),
-        address_(ipv4_text(address)),
-        side_(camera_twin_socket(address_),
-              [this](const std::string& line) { return answer(line); }) {}
-
-  Json description() const override {
-    return {{"kind", "camera"},
-            {"address", address_},
-            {"port", kGvcpPort},
-            {"side_channel", side_.path().string()},
-            {"token", token_}};
-  }
-
-  bool has_ended() const override { return is_stop_asked_; }
-
-  CellPictures& pictures() { return pictures_; }
-
-  const CellRenderer& renderer() const { return renderer_; }
-
-  /// How many times the part has been put down. For any thread.
-  int placement() const { return placement_; }
-
- private:
-  /// "placement N": hands have lifted the part and put it back.
-  std::string put_down(const std::string& number) {
-    int placement = 0;
-    const char* const end = number.data() + number.size();
-    const auto [rest, error] = std::from_chars(number.data(), end, placement);
-    if (error != std::errc() || rest != end || placement < 1) {
-      return "error: placement needs a number from 1 on";
-    }
-    placement_ = placement;
-    return "ok";
-  }
-
-  /// "token", "state", "placement N", "stop".
-  std::string answer(const std::string& line) {
-    if (line == "token") {
-      return std::to_string(token_);
-    }
-    if (line == "stop") {
-      is_stop_asked_ = true;
-      return "ok";
-    }
-    if (line == "state") {
-      const CameraTwinCounts counts = camera_.counts();
-      return Json{{"frames", counts.frames},
-                  {"refused", counts.refused},
-                  {"last_refusal", name_of(counts.last_refusal)},
-                  {"resent_packets", counts.resent_packets},
-                  {"rendered", pictures_.num_rendered()},
-                  {"placement", placement()},
-                  {"error", pictures_.error()}}
-          .dump();
-    }
-    constexpr std::string_view kPlacement = "placement ";
-    if (line.starts_with(kPlacement)) {
-      return put_down(line.substr(kPlacement.size()));
-    }
-    return "error: there are token, state, placement, stop";
-  }
-
-  std::uint64_t token_ = 0;  ///< the camera tells it as the name that a user gave it: 15 digits
-  std::atomic<bool> is_stop_asked_ = false;
-  std::atomic<int> placement_ = 1;
-  ThreadPool pool_;
-  CellRenderer renderer_;
-  CellPictures pictures_;
-  CameraTwin camera_;
-  std::string address_;
-  SideChannel side_;
-};
 
 /// The twin of a cell's stage, and which position of the scan it stands at.
 class StageServing {
@@ -384,20 +291,24 @@ std::filesystem::path truth_file_of(const Cell& cell) {
   return cell.truth;
 }
 
-ServingTwins camera_twin_of(const Cell& cell, bool is_free_address, int threads) {
+ServingTwins camera_twin_of(const Cell& cell, CameraPlace place, int threads) {
   const Truth truth = read_truth(truth_file_of(cell));
   ServingTwins twins;
-  twins.push_back(std::make_unique<CameraServing>(
-      cell, truth, address_of(cell, is_free_address), first_state(cell, truth), threads));
+  twins.push_back(std::make_unique<CameraServing>(cell,
+                                                  truth,
+                                                  address_of(cell, place.is_free),
+                                                  first_state(cell, truth),
+                                                  place.has_cable,
+                                                  threads));
   return twins;
 }
 
-ServingTwins both_twins_of(const Cell& cell, std::optional<int> port, int threads) {
+ServingTwins both_twins_of(const Cell& cell, std::optional<int> port, bool has_cable, int threads) {
   const Truth truth = read_truth(truth_file_of(cell));
   TwinCellState state = first_state(cell, truth);
   state.lights = lights_on(cell, 0);
-  auto camera =
-      std::make_unique<CameraServing>(cell, truth, address_of(cell, port == 0), state, threads);
+  auto camera = std::make_unique<CameraServing>(
+      cell, truth, address_of(cell, port == 0), state, has_cable, threads);
   TwinServerSettings settings = robot_twin_settings(cell, port);
   settings.twin.holds_motions = true;
   auto robot = std::make_shared<TwinServer>(std::move(settings));

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "hardware/robot/twin_proof.h"
 #include "tests/cli/counting_peer.h"
 #include "tests/cli/program.h"
 #include "tests/cli/served_twins.h"
@@ -104,6 +105,21 @@ TEST(CellCamera, AloneStandsAtTheFirstSafePosition) {
   EXPECT_EQ(grabbed["complete"], 2);
   EXPECT_EQ(grabbed["camera"]["sensor_px"], json::array({408, 342}));
   EXPECT_TRUE(std::filesystem::exists(folder / "grab/frames.csv"));
+}
+
+TEST(CellCamera, ItsCableIsMadeBadByItsSideChannel) {
+  const TemporaryFolder folder;
+  const std::string cell = kGallery / "cell.toml";
+  const ServedTwins twins(folder, "camera", cell, {"--cable"});
+  const auto tell = [&twins](const std::string& line) {
+    return ask_side_channel(twins.of("camera")["side_channel"].get<std::string>(), line)
+        .value_or("nothing");
+  };
+  EXPECT_EQ(tell("cable dropped=0.05 delay_ms=1"), "ok");
+  EXPECT_THAT(tell("cable dropped=2"), HasSubstr("error"));
+  const json grabbed = call(folder, {"cell", "grab", cell, "--count", "3", "--out", "grab"});
+  EXPECT_EQ(grabbed["complete"], 3);
+  EXPECT_GT(json::parse(tell("state"))["cable_dropped"], 0);
 }
 
 TEST(CellCamera, SlipsAreNamed) {

@@ -22,10 +22,12 @@ class ServedTwins {
  public:
   /// On free ports and addresses. @param folder  for twin.json, their ready file; must outlive this
   /// @param kind  camera, robot or both
-  ServedTwins(const TemporaryFolder& folder, const std::string& kind, const std::string& cell)
-      : ready_file_(folder / "twin.json"),
-        program_(folder.path(),
-                 {"cell", "twin", kind, cell, "--port", "0", "--ready_file", "twin.json"}) {
+  /// @param more  options
+  ServedTwins(const TemporaryFolder& folder,
+              const std::string& kind,
+              const std::string& cell,
+              const Arguments& more = {})
+      : ready_file_(folder / "twin.json"), program_(folder.path(), call(kind, cell, more)) {
     while (program_.is_running() && !std::filesystem::exists(ready_file_)) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
@@ -57,6 +59,12 @@ class ServedTwins {
   }
 
  private:
+  static Arguments call(const std::string& kind, const std::string& cell, const Arguments& more) {
+    Arguments words = {"cell", "twin", kind, cell, "--port", "0", "--ready_file", "twin.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
   std::filesystem::path ready_file_;
   Program program_;
   nlohmann::json ready_;

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "core/error.h"
+#include "hardware/twin/camera/cable_text.h"
 #include "hardware/twin/camera/test_pattern.h"
 #include "tests/hardware/twin/camera/started_camera.h"
 #include "tests/hardware/twin/camera/twin_process.h"
@@ -62,6 +63,25 @@ Delivered deliver(Camera& camera, int frames) {
     ++tries;
   }
   return delivered;
+}
+
+TEST(CableFaults, AreReadFromWords) {
+  const auto faults = parse_cable_faults(" dropped=0.01 doubled=0.5 swapped=1 delay_ms=50 cut=1");
+  ASSERT_TRUE(faults.has_value());
+  EXPECT_EQ(faults->dropped, 0.01);
+  EXPECT_EQ(faults->doubled, 0.5);
+  EXPECT_EQ(faults->swapped, 1.0);
+  EXPECT_EQ(faults->delay, milliseconds(50));
+  EXPECT_TRUE(faults->is_cut);
+  EXPECT_TRUE(faults->answers_resend);
+  const auto good = parse_cable_faults("");
+  ASSERT_TRUE(good.has_value());
+  EXPECT_FALSE(good->is_cut);
+  EXPECT_EQ(good->dropped, 0.0);
+  for (const char* text :
+       {"dropped", "dropped=", "dropped=1.1", "dropped=-1", "cut=2", "speed=1", "delay_ms=50ms"}) {
+    EXPECT_FALSE(parse_cable_faults(text).has_value()) << text;
+  }
 }
 
 class LossyCable : public testing::Test {

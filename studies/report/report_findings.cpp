@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <map>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <utility>
 
@@ -16,6 +14,7 @@
 
 #include "core/text.h"
 #include "studies/report/report_verdict.h"
+#include "studies/report/variable_limits.h"
 
 namespace glint::report_detail {
 namespace {
@@ -24,13 +23,11 @@ using Json = nlohmann::ordered_json;
 
 /// Below them a defect is not told from its background: Rose's criterion asks a signal for three to
 /// five times the noise.
-constexpr std::array kVisible = {std::pair<std::string_view, double>{"defects.min_cnr", 3.0},
-                                 std::pair<std::string_view, double>{"defects.min_dprime", 5.0}};
+/// By the last part of a score's name: that of all defects, of a group, of one.
+constexpr std::array kVisible = {std::pair<std::string_view, double>{"min_cnr", 3.0},
+                                 std::pair<std::string_view, double>{"min_dprime", 5.0}};
 
 constexpr double kSmallestWidth_px = 3.0;
-
-/// Of a variable's range: nearer to its end it lies on its limit.
-constexpr double kLimitShare = 0.02;
 
 constexpr double kNotableShare = 0.005;
 
@@ -125,28 +122,36 @@ double best_value(const Json& data, const Wording& wording, double value) {
   return best;
 }
 
+/// The least value of a score at which a defect is told from its background; empty: not known.
+std::optional<double> least_visible(const std::string& score) {
+  const std::string kind = score.substr(score.rfind('.') + 1);
+  const auto* row = std::ranges::find_if(
+      kVisible, [&](const auto& one) { return kind == one.first || "min_" + kind == one.first; });
+  const bool is_known = row != kVisible.end() && score.starts_with("defects.");
+  return is_known ? std::optional(row->second) : std::nullopt;
+}
+
 void add_hidden_defects(const Json& data, const Json& design, std::vector<Finding>& findings) {
   const Wording wording = defect_wording(data);
-  const auto* row = std::ranges::find(
-      kVisible, std::string_view(wording.score()), &std::pair<std::string_view, double>::first);
+  const auto least = least_visible(wording.score());
   const auto value = wording.value(design);
-  if (row == kVisible.end() || !value || *value >= row->second) {
+  if (!least || !value || *value >= *least) {
     return;
   }
   const double best = best_value(data, wording, *value);
   findings.push_back(
       {"defects_hidden",
-       best < row->second
+       best < *least
            ? fmt::format("No design here shows the worst defect: {} is {} at most, and below {:g} "
                          "it is not told from its background. Other lighting, another place or a "
                          "larger defect is needed.",
                          wording.label(),
                          wording.text(best),
-                         row->second)
+                         *least)
            : fmt::format("The worst defect hardly shows: {} is below {:g}; another design reached "
                          "{}.",
                          wording.label(),
-                         row->second,
+                         *least,
                          wording.text(best))});
 }
 
@@ -170,110 +175,6 @@ void add_narrow_defects(const Json& design, std::vector<Finding>& findings) {
              join(narrow, ", "),
              more > 0 ? fmt::format(" and {} more", more) : "")});
   }
-}
-
-/// Which end of its range a variable lies on: -1, 0, 1.
-int end_of(const Json& variable, double value) {
-  const auto low = number_of(variable, "low");
-  const auto high = number_of(variable, "high");
-  if (!low || !high || !(*high > *low) || text_of(variable, "kind") == "choice") {
-    return 0;
-  }
-  const bool is_log = member(variable, "log") == Json(true) && *low > 0.0 && value > 0.0;
-  const double share =
-      is_log ? std::log(value / *low) / std::log(*high / *low) : (value - *low) / (*high - *low);
-  return share < kLimitShare ? -1 : share > 1.0 - kLimitShare ? 1 : 0;
-}
-
-/// Variables that differ in their number alone: control_mm.0, control_mm.1 ...
-struct VariableFamily {
-  std::string name;
-  int count = 0;
-  int on_limit = 0;
-};
-
-/// "lighting.tunnel.control_mm.2" -> "control point", "sensor.gain" -> "gain"
-std::string spoken(const std::string& path, bool has_number) {
-  std::vector<std::string> parts = split(path, '.');
-  if (has_number) {
-    parts.pop_back();
-  }
-  std::string word = parts.back();
-  for (const std::string_view unit : {"_mm", "_deg", "_um", "_nm", "_px", "_e"}) {
-    if (word.ends_with(unit)) {
-      word.resize(word.size() - unit.size());
-    }
-  }
-  std::ranges::replace(word, '_', ' ');
-  return word == "control" ? "control point" : word;
-}
-
-bool ends_in_number(const std::string& path) {
-  const auto dot = path.rfind('.');
-  return dot != std::string::npos && dot + 1 < path.size() &&
-         path.find_first_not_of("0123456789", dot + 1) == std::string::npos;
-}
-
-std::string family_text(const VariableFamily& family) {
-  if (family.count == 1) {
-    return "the " + family.name;
-  }
-  return family.on_limit == family.count
-             ? fmt::format("all {} {}s", family.count, family.name)
-             : fmt::format("{} of {} {}s", family.on_limit, family.count, family.name);
-}
-
-/// "a", "a and b", "a, b and c"
-std::string listed(const std::vector<std::string>& names) {
-  const auto first = std::span(names).first(names.size() - 1);
-  return first.empty() ? names.back() : join(first, ", ") + " and " + names.back();
-}
-
-/// What the ends that are met say about the best design.
-std::string beyond(bool are_lengths, bool has_low, bool has_high) {
-  if (are_lengths && has_low != has_high) {
-    return has_high ? "the best design is larger than allowed"
-                    : "the best design is smaller than allowed";
-  }
-  return "a better design may lie beyond them";
-}
-
-void add_limits(const Json& data, const Json& design, std::vector<Finding>& findings) {
-  std::vector<VariableFamily> families;
-  bool are_lengths = true;
-  bool has_low = false;
-  bool has_high = false;
-  for (const Json& variable : member(data, "variables")) {
-    const std::string path = text_of(variable, "name");
-    const bool has_number = ends_in_number(path);
-    const auto value = number_of(member(design, "variables"), path);
-    const std::string name = spoken(path, has_number);
-    auto family = std::ranges::find(families, name, &VariableFamily::name);
-    if (family == families.end() || !has_number) {
-      families.push_back({.name = name});
-      family = families.end() - 1;
-    }
-    ++family->count;
-    const int end = value ? end_of(variable, *value) : 0;
-    family->on_limit += end != 0 ? 1 : 0;
-    are_lengths = are_lengths && (end == 0 || text_of(variable, "unit") == "mm");
-    has_low = has_low || end < 0;
-    has_high = has_high || end > 0;
-  }
-  std::erase_if(families, [](const VariableFamily& family) { return family.on_limit == 0; });
-  if (families.empty()) {
-    return;
-  }
-  std::vector<std::string> names;
-  std::ranges::transform(families, std::back_inserter(names), family_text);
-  const bool is_one = families.size() == 1 && families.front().on_limit == 1;
-  std::string list = listed(names);
-  list.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(list.front())));
-  findings.push_back({"on_limits",
-                      fmt::format("{} {}: {}.",
-                                  list,
-                                  is_one ? "lies on its limit" : "lie on their limits",
-                                  beyond(are_lengths, has_low, has_high))});
 }
 
 void add_dark_part(const Json& data, const Json& design, std::vector<Finding>& findings) {
@@ -302,29 +203,53 @@ void add_dark_part(const Json& data, const Json& design, std::vector<Finding>& f
   }
 }
 
-void add_flat_objective(const Json& data, const Wording& wording, std::vector<Finding>& findings) {
-  constexpr int kFewest = 5;
-  constexpr double kShare = 0.8;
-  std::map<double, int> counts;
+/// The value that most of the evaluations have, how many do, and of how many.
+struct CommonValue {
+  double value = 0.0;
+  int count = 0;
   int total = 0;
-  for (const Json& trial : member(data, "trials")) {
-    if (const auto value = number_of(trial, "objective");
-        value && member(trial, "failed") != Json(true)) {
-      ++counts[*value];
-      ++total;
+
+  bool is_flat() const {
+    constexpr int kFewest = 5;
+    constexpr double kShare = 0.8;
+    return total >= kFewest && count >= kShare * total;
+  }
+};
+
+/// Of evaluations that succeeded; where told so, of those among them that meet every limit.
+CommonValue most_common_objective(const Json& trials, bool feasible_alone) {
+  std::map<double, int> counts;
+  CommonValue common;
+  for (const Json& trial : trials) {
+    const auto value = number_of(trial, "objective");
+    const bool is_counted = !feasible_alone || member(trial, "feasible") != Json(false);
+    if (!value || !is_counted || member(trial, "failed") == Json(true)) {
+      continue;
+    }
+    ++common.total;
+    if (const int count = ++counts[*value]; count > common.count) {
+      common.count = count;
+      common.value = *value;
     }
   }
-  const auto most =
-      std::ranges::max_element(counts, {}, [](const auto& pair) { return pair.second; });
-  if (total >= kFewest && most->second >= kShare * total) {
-    findings.push_back(
-        {"objective_flat",
-         fmt::format("{} of {} evaluations have the same {}, {}: the search had nothing to go by, "
-                     "and what it found is chance.",
-                     most->second,
-                     total,
-                     wording.label(),
-                     wording.text(most->first))});
+  return common;
+}
+
+void add_flat_objective(const Json& data, const Wording& wording, std::vector<Finding>& findings) {
+  for (const bool feasible_alone : {false, true}) {
+    const CommonValue common = most_common_objective(member(data, "trials"), feasible_alone);
+    if (common.is_flat()) {
+      findings.push_back(
+          {"objective_flat",
+           fmt::format("{} of {} evaluations{} have the same {}, {}: the search had nothing to go "
+                       "by, and what it found is chance.",
+                       common.count,
+                       common.total,
+                       feasible_alone ? " that meet every limit" : "",
+                       wording.label(),
+                       wording.text(common.value))});
+      return;
+    }
   }
 }
 
@@ -369,8 +294,24 @@ std::vector<Finding> findings_on(const Json& data, const Json& design) {
   add_hidden_defects(data, design, findings);
   add_narrow_defects(design, findings);
   add_lost_limits(data, design, findings);
-  add_limits(data, design, findings);
+  std::ranges::move(findings_on_limits(data, design), std::back_inserter(findings));
   add_dark_part(data, design, findings);
+  return findings;
+}
+
+std::vector<Finding> doubts_on_best_run(const Json& data, const Json& best, const Json& second) {
+  const Wording wording = defect_wording(data);
+  std::vector<Finding> findings;
+  if (!wording.value(best)) {
+    return findings;
+  }
+  if (wording.value(second) && compared(wording, best, second) < 0) {
+    findings.push_back({"defects_fainter",
+                        fmt::format("In {} the worst defect shows {}.",
+                                    title_of(best),
+                                    comparison(wording, best, second, title_of(second), -1))});
+  }
+  add_hidden_defects(data, best, findings);
   return findings;
 }
 

@@ -37,4 +37,10 @@ Wording defect_wording(const nlohmann::ordered_json& data);
 std::vector<Finding> findings_on(const nlohmann::ordered_json& data,
                                  const nlohmann::ordered_json& design);
 
+/// What is said of the worst defect in the best of several runs: that it shows less clearly than in
+/// the next one, or not at all. Empty where neither is so.
+std::vector<Finding> doubts_on_best_run(const nlohmann::ordered_json& data,
+                                        const nlohmann::ordered_json& best,
+                                        const nlohmann::ordered_json& second);
+
 }  // namespace glint::report_detail

@@ -64,28 +64,6 @@ std::vector<Json> grouped(const Json& runs) {
   return lists;
 }
 
-/// Which of some comparable runs is the best.
-Finding ranked(const Json& runs, const Wording& wording) {
-  const auto [best, second] = best_two(runs, wording);
-  if (best == nullptr) {
-    return {"runs_infeasible",
-            fmt::format("None of the {} runs has a feasible design.", runs.size())};
-  }
-  const double value = *wording.value(*best);
-  const std::string gap =
-      second == nullptr
-          ? std::string()
-          : fmt::format(
-                ", {} {}", wording.against(value, *wording.value(*second)), title_of(*second));
-  return {"runs_ranked",
-          fmt::format("Of {} runs, {} has the best {}: {}{}.",
-                      runs.size(),
-                      title_of(*best),
-                      wording.label(),
-                      wording.text(value),
-                      gap)};
-}
-
 /// Of the objective of these runs.
 Wording wording_of(const Json& data, const Json& runs) {
   const Json& objective = member(runs.front(), "objective");
@@ -95,29 +73,62 @@ Wording wording_of(const Json& data, const Json& runs) {
                                : Wording(data);
 }
 
+/// Says which of some comparable runs is the best. @return its verdict
+Verdict ranked(const Json& data, const Json& runs) {
+  const Wording wording = wording_of(data, runs);
+  const auto [best, second] = best_two(runs, wording);
+  Verdict verdict{.tone = "bad"};
+  if (best == nullptr) {
+    verdict.say("runs_infeasible",
+                fmt::format("None of the {} runs has a feasible design.", runs.size()));
+    return verdict;
+  }
+  const double value = *wording.value(*best);
+  const std::string gap =
+      second == nullptr
+          ? std::string()
+          : fmt::format(
+                ", {} {}", wording.against(value, *wording.value(*second)), title_of(*second));
+  verdict.say("runs_ranked",
+              fmt::format("Of {} runs, {} has the best {}: {}{}.",
+                          runs.size(),
+                          title_of(*best),
+                          wording.label(),
+                          wording.text(value),
+                          gap));
+  if (second != nullptr) {
+    verdict.add(doubts_on_best_run({{"objective", member(runs.front(), "objective")},
+                                    {"designs", runs},
+                                    {"score_info", member(data, "score_info")}},
+                                   *best,
+                                   *second));
+  }
+  verdict.judge(second == nullptr || is_ahead(*second, *best, wording));
+  return verdict;
+}
+
 }  // namespace
 
-RunsVerdict verdict_of_runs(const Json& data) {
+Verdict verdict_of_runs(const Json& data) {
   const Json& runs = member(data, "runs");
-  RunsVerdict verdict;
+  Verdict verdict;
   const std::vector<Json> groups = grouped(runs);
   if (groups.size() == 1) {
-    verdict.headline = ranked(runs, wording_of(data, runs));
-    verdict.tone = verdict.headline.code == "runs_ranked" ? "good" : "bad";
+    verdict = ranked(data, runs);
   } else {
-    verdict.headline = {"runs_apart",
-                        fmt::format("These {} runs are not ranked together: they do not all have "
-                                    "the same part, camera, defects and objective.",
-                                    runs.size())};
+    verdict.say("runs_apart",
+                fmt::format("These {} runs are not ranked together: they do not all have the same "
+                            "part, camera, defects and objective.",
+                            runs.size()));
   }
   for (const Json& group : groups) {
     if (groups.size() > 1 && group.size() > 1) {
-      verdict.details.push_back(ranked(group, wording_of(data, group)));
+      Verdict of_group = ranked(data, group);
+      verdict.add(std::move(of_group.headline));
+      verdict.add(std::move(of_group.details));
     }
   }
-  for (Finding& difference : differences(runs)) {
-    verdict.details.push_back(std::move(difference));
-  }
+  verdict.add(differences(runs));
   return verdict;
 }
 

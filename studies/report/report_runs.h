@@ -3,23 +3,15 @@
 // The verdict on a comparison of runs. Private to the module.
 #pragma once
 
-#include <vector>
-
 #include <nlohmann/json.hpp>
 
-#include "studies/report/report_findings.h"
+#include "studies/report/verdict_parts.h"
 
 namespace glint::report_detail {
 
 /// What is said about several runs. Only runs of one `group` are ranked: those that have the same
 /// part, camera, defects and objective.
-struct RunsVerdict {
-  Finding headline;
-  const char* tone = "neutral";
-  std::vector<Finding> details;
-};
-
 /// @param data  with `runs` as studies/report/report.h describes them
-RunsVerdict verdict_of_runs(const nlohmann::ordered_json& data);
+Verdict verdict_of_runs(const nlohmann::ordered_json& data);
 
 }  // namespace glint::report_detail

@@ -385,6 +385,7 @@ Json several_runs(const std::vector<fs::path>& paths) {
       if (design["role"] != "prototype") {
         run["scores"] = design["scores"];
         run["rescored"] = design.value("rescored", Json::object());
+        run["repeated"] = design.value("repeated", Json::object());
         run["feasible"] = design.value("feasible", true);
       }
       designs.push_back(std::move(design));

@@ -97,6 +97,36 @@ TEST(FrontVerdict, IsNotGoodWhereTheCompromiseItselfIsBeaten) {
   EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
 }
 
+/// trade() with a baseline that is behind in evenness and as wide, and a defect in both.
+Json trade_with_baseline(double baseline_cnr, double winner_cnr) {
+  Json data = trade();
+  Json baseline = data["designs"][0];
+  baseline["key"] = "baseline";
+  baseline["title"] = "baseline";
+  for (const char* list : {"scores", "rescored"}) {
+    baseline[list] = scores(0.7, 200);
+    baseline[list]["defects.min_cnr"] = baseline_cnr;
+    data["designs"][0][list]["defects.min_cnr"] = winner_cnr;
+  }
+  data["designs"].push_back(baseline);
+  return data;
+}
+
+TEST(FrontVerdict, IsNotGoodWhereTheCompromiseShowsTheDefectLess) {
+  const auto tone = [](const Json& data) { return complete_report(data)["verdict"]["tone"]; };
+  EXPECT_EQ(tone(trade_with_baseline(6.0, 7.0)), "good");
+  const Json fainter = trade_with_baseline(6.0, 4.0);
+  EXPECT_THAT(finding(fainter, "defects_fainter"), HasSubstr("smallest CNR 4 against 6"));
+  EXPECT_EQ(tone(fainter), "neutral");
+  EXPECT_EQ(tone(trade_with_baseline(1.0, 2.0)), "neutral") << "hidden in both";
+}
+
+TEST(FrontVerdict, IsNotGoodWhereTheCompromiseIsLevelWithTheBaseline) {
+  Json data = trade_with_baseline(6.0, 7.0);
+  data["designs"][1]["rescored"][kEven] = 0.8;
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
+}
+
 TEST(FrontVerdict, TellsOfAReferenceInsideTheFront) {
   Json data = trade();
   EXPECT_EQ(finding(data, "reference_inside"), "");

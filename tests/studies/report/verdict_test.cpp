@@ -310,6 +310,121 @@ TEST(Verdict, IsNotGoodWhenTheWinnerHidesTheDefect) {
             "against 5).");
 }
 
+/// The prototypes, ranked by evenness, in which the dome leads.
+Json even_prototypes() {
+  Json data = prototypes();
+  data["objective"]["name"] = "homogeneity.h_rms";
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double even = i == 1 ? 0.9 : 0.8;
+    Json& design = data["designs"][i];
+    design["repeated"] = {{"homogeneity.h_rms", {even, even + 0.001, even - 0.001}}};
+    design["scores"]["homogeneity.h_rms"] = even;
+    design["rescored"]["homogeneity.h_rms"] = even;
+  }
+  return data;
+}
+
+TEST(Verdict, OfARankingIsNotGoodWhenTheBestDesignShowsTheDefectLess) {
+  Json data = even_prototypes();
+  EXPECT_EQ(codes_of(data).count("ranking_sure"), 1U);
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "good");
+  set_cnr(data["designs"][1], 4.0);
+  EXPECT_EQ(codes_of(data).count("defects_fainter"), 1U);
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
+  set_cnr(data["designs"][1], 9.0);
+  data["designs"][1]["rescored"]["homogeneity.h_rms"] = 0.69;
+  EXPECT_EQ(codes_of(data).count("limit_lost"), 1U);
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
+}
+
+TEST(Verdict, OfRunsIsGoodOnlyWhereTheLeadIsLargerThanTheNoise) {
+  Json data = runs_with(0);
+  const auto tone = [&] { return complete_report(data)["verdict"]["tone"]; };
+  EXPECT_EQ(tone(), "good");
+  data["runs"][1]["scores"]["defects.min_cnr"] = 5.0;
+  EXPECT_THAT(complete_report(data)["verdict"]["sentence"].get<std::string>(),
+              HasSubstr("level with b"));
+  EXPECT_EQ(tone(), "neutral");
+  data["runs"][1]["scores"]["defects.min_cnr"] = 6.0;
+  repeat(data["runs"][0], {5.0, 7.0, 3.0, 5.0});
+  repeat(data["runs"][1], {6.0, 3.0, 9.0, 6.0});
+  EXPECT_EQ(tone(), "neutral");
+}
+
+TEST(Verdict, OfRunsIsNotGoodWhenTheBestOneShowsTheDefectLess) {
+  Json data = runs_with(0);
+  for (Json& run : data["runs"]) {
+    run["objective"]["name"] = "homogeneity.h_rms";
+    run["scores"]["homogeneity.h_rms"] = run["title"] == "a" ? 0.9 : 0.8;
+  }
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
+  EXPECT_EQ(text_of_code(data, "defects_fainter"),
+            "In a the worst defect shows less clearly than under b (smallest CNR 5 against 8).");
+  data["runs"][0]["scores"]["defects.min_cnr"] = 9.0;
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "good");
+  EXPECT_EQ(text_of_code(data, "defects_fainter"), "");
+}
+
+// Ten evaluations: the five that meet every limit are alike, the others differ.
+TEST(Verdict, TellsOfAnObjectiveThatIsFlatAmongDesignsThatMeetEveryLimit) {
+  Json data = sound_search();
+  data["trials"] = Json::array();
+  for (int i = 0; i < 10; ++i) {
+    data["trials"].push_back(trial_with(i + 1, i < 5 ? 1.0 : 2.0 + i));
+    data["trials"][static_cast<std::size_t>(i)]["feasible"] = i < 5;
+  }
+  EXPECT_THAT(text_of_code(data, "objective_flat"),
+              HasSubstr("5 of 5 evaluations that meet every limit have the same smallest CNR, 1"));
+  data["trials"][0]["objective"] = 3.0;
+  data["trials"][1]["objective"] = 4.0;
+  EXPECT_EQ(text_of_code(data, "objective_flat"), "");
+}
+
+TEST(Verdict, TellsOfAHiddenDefectByAnyScoreOfItsKind) {
+  Json data = sound_search();
+  for (const char* name : {"defects.dent_1.cnr", "defects.min_dprime", "defects.dent_1.dprime"}) {
+    data["objective"]["name"] = name;
+    data["designs"][0]["scores"][name] = 0.2;
+    data["designs"][1]["scores"][name] = 2.0;
+    EXPECT_THAT(text_of_code(data, "defects_hidden"), HasSubstr("is 2 at most")) << name;
+    data["designs"][1]["scores"][name] = 5.1;
+    EXPECT_EQ(text_of_code(data, "defects_hidden"), "") << name;
+  }
+}
+
+TEST(Verdict, CallsADesignLargerThanAllowedBySizesAlone) {
+  Json data = sound_search();
+  const auto on_limit = [&](const std::string& name) {
+    data["variables"] = {
+        {{"name", name}, {"kind", "float"}, {"low", 1}, {"high", 8}, {"unit", "mm"}}};
+    data["designs"][1]["variables"] = {{name, 8.0}};
+    return text_of_code(data, "on_limits");
+  };
+  EXPECT_EQ(on_limit("lighting.dome.radius_mm"),
+            "The radius lies on its limit: the best design is larger than allowed.");
+  for (const char* name : {"lighting.tunnel.period_mm",
+                           "lighting.tunnel.slot_mm",
+                           "lighting.bar.position_mm.1",
+                           "part.position_mm.2",
+                           "lighting.ring.height_mm"}) {
+    EXPECT_THAT(on_limit(name), HasSubstr("a better design may lie beyond")) << name;
+  }
+}
+
+TEST(Verdict, WithoutAnObjectiveTellsWhatHoldsForTheStudysOwnDesign) {
+  Json data = prototypes();
+  data.erase("objective");
+  data["designs"][0]["rescored"]["homogeneity.lit_share"] = 0.6;
+  data["designs"][0]["defects"][0]["width_px"] = 2.0;
+  set_cnr(data["designs"][0], 1.0);
+  EXPECT_EQ(text_of_code(data, "rendered"),
+            "3 designs were rendered; no objective is set that would rank them. What follows is of "
+            "baseline.");
+  EXPECT_THAT(
+      codes_of(data),
+      ::testing::IsSupersetOf({"defects_shown", "defects_hidden", "dark_part", "narrow_defect"}));
+}
+
 TEST(Verdict, NamesTheVariablesThatLieOnTheirLimits) {
   Json data = sound_search();
   data["variables"] = Json::array();

@@ -44,7 +44,8 @@
 //       values        one per variable, null where a condition switches it off
 //       scores        at least those of the constraints } ]
 //   runs              only in a comparison of runs; [ { title, status, evaluations, failed,
-//                     feasible, scores, rescored, best_so_far: [number | null],
+//                     feasible, scores, rescored, repeated, best_so_far: [number | null],
+//                     design: title of the one that stands for a run without a search,
 //                     objective, group: number of the first run that it may be ranked with (absent:
 //                     0), differs: [ texts ], what is not as in the first run } ]
 //   panels            sections of a population; [ {

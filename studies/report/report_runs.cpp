@@ -73,6 +73,12 @@ Wording wording_of(const Json& data, const Json& runs) {
                                : Wording(data);
 }
 
+/// "dome, lights for the gear" where one design of several stands for the run.
+std::string name_of(const Json& run) {
+  const std::string design = text_of(run, "design");
+  return design.empty() ? title_of(run) : design + ", " + title_of(run);
+}
+
 /// Says which of some comparable runs is the best. @return its verdict
 Verdict ranked(const Json& data, const Json& runs) {
   const Wording wording = wording_of(data, runs);
@@ -88,11 +94,11 @@ Verdict ranked(const Json& data, const Json& runs) {
       second == nullptr
           ? std::string()
           : fmt::format(
-                ", {} {}", wording.against(value, *wording.value(*second)), title_of(*second));
+                ", {} {}", wording.against(value, *wording.value(*second)), name_of(*second));
   verdict.say("runs_ranked",
               fmt::format("Of {} runs, {} has the best {}: {}{}.",
                           runs.size(),
-                          title_of(*best),
+                          name_of(*best),
                           wording.label(),
                           wording.text(value),
                           gap));
@@ -118,7 +124,7 @@ Verdict verdict_of_runs(const Json& data) {
   } else {
     verdict.say("runs_apart",
                 fmt::format("These {} runs are not ranked together: they do not all have the same "
-                            "part, camera, defects and objective.",
+                            "part, material, camera, defects, scored region and objective.",
                             runs.size()));
   }
   for (const Json& group : groups) {

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -14,8 +17,21 @@
 namespace glint {
 namespace {
 
-constexpr std::array<std::string_view, 7> kOfScale = {
-    "part", "camera", "lens", "viewpoint", "viewpoints", "defects", "imprint"};
+constexpr std::array<std::string_view, 11> kOfScale = {"part",
+                                                       "material",
+                                                       "camera",
+                                                       "lens",
+                                                       "viewpoint",
+                                                       "viewpoints",
+                                                       "sensor",
+                                                       "scan",
+                                                       "defects",
+                                                       "imprint",
+                                                       "metrics"};
+
+/// What of these tables is set to suit a lighting.
+constexpr std::array<std::string_view, 3> kOfExposure = {
+    "sensor.exposure", "sensor.gain", "sensor.expose_to"};
 
 /// What a run may have of its own and yet be compared without a word.
 constexpr std::array<std::string_view, 1> kOfDesign = {"lighting"};
@@ -24,11 +40,19 @@ bool is_among(std::span<const std::string_view> names, std::string_view name) {
   return std::ranges::find(names, name) != names.end();
 }
 
-/// What a part's file holds; its name where it cannot be read any more.
+/// What a file holds; its name where it cannot be read any more.
 std::string content_of(const std::filesystem::path& file) {
   std::error_code ignored;
   return std::filesystem::is_regular_file(file, ignored) ? sha256_hex(read_file(file))
                                                          : file.filename().string();
+}
+
+/// The keys of the files that count by their content, wherever they lie.
+std::vector<std::pair<std::string, std::filesystem::path>> files_of(const SceneSettings& scene) {
+  return {{"part.file", scene.part.file},
+          {"material.nk_file", scene.material.nk_file},
+          {"material.texture.colour_file", scene.material.texture.colour_file},
+          {"material.texture.roughness_file", scene.material.texture.roughness_file}};
 }
 
 /// The value of a table that comparisons look at, as text.
@@ -37,11 +61,39 @@ std::string text_of_table(const Study& study, const std::string& table) {
   if (node == nullptr) {
     return "";
   }
-  ConfigNode copy = *node;
-  if (table == "part" && !study.scene.part.file.empty()) {
-    set_path(copy, "file", ConfigNode::from_text(content_of(study.scene.part.file)));
+  ConfigNode root = ConfigNode::table();
+  root.names = {table};
+  root.items = {*node};
+  for (const auto& [key, file] : files_of(study.scene)) {
+    if (key.starts_with(table + ".") && !file.empty()) {
+      set_path(root, key, ConfigNode::from_text(content_of(file)));
+    }
   }
-  return copy.is_table() ? to_toml(copy) : value_to_toml(copy);
+  return to_toml(root);
+}
+
+/// Whether a key describes the design that a study looks for, not what it is judged by.
+bool is_of_design(const std::string& key) {
+  constexpr std::array<std::string_view, 3> kOfTask = {"defects.", "imprint.", "metrics."};
+  return std::ranges::none_of(kOfTask,
+                              [&](std::string_view table) { return key.starts_with(table); });
+}
+
+/// The study without what tells its designs from one another: its variables, those of another one
+/// and how the picture is exposed.
+Study without_designs(Study study, const Study& other) {
+  std::vector<std::string> keys(kOfExposure.begin(), kOfExposure.end());
+  for (const SearchSpace& space : {study.space, other.space}) {
+    for (const Variable& variable : space.variables) {
+      keys.push_back(variable.name);
+    }
+  }
+  for (const std::string& key : keys) {
+    if (is_of_design(key) && study.resolved.at_path(key) != nullptr) {
+      set_path(study.resolved, key, ConfigNode::from_text("of the design"));
+    }
+  }
+  return study;
 }
 
 std::string objective_of(const Study& study) {
@@ -79,10 +131,12 @@ std::vector<std::string> changed_keys(const ConfigNode* a, const ConfigNode* b) 
 }  // namespace
 
 bool is_comparable(const Study& a, const Study& b) {
+  const Study one = without_designs(a, b);
+  const Study other = without_designs(b, a);
   return objective_of(a) == objective_of(b) &&
          std::ranges::all_of(kOfScale, [&](std::string_view table) {
            const std::string name(table);
-           return text_of_table(a, name) == text_of_table(b, name);
+           return text_of_table(one, name) == text_of_table(other, name);
          });
 }
 

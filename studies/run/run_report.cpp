@@ -22,8 +22,8 @@
 #include "studies/population/population_report.h"
 #include "studies/report/report.h"
 #include "studies/run/run_closeups.h"
-#include "studies/run/run_comparison.h"
 #include "studies/run/scene_facts.h"
+#include "studies/run/several_runs.h"
 #include "studies/run/study_search.h"
 #include "studies/tolerance/tolerance_panel.h"
 
@@ -307,100 +307,29 @@ Json single_run(const fs::path& run) {
   return data;
 }
 
-Json best_so_far(const Json& single) {
-  Json curve = Json::array();
-  const bool is_maximised = single["objective"]["sense"] == "maximise";
-  std::optional<double> best;
-  for (const Json& trial : single["trials"]) {
-    if (!trial["failed"].get<bool>() && trial["feasible"].get<bool>()) {
-      const auto value = trial["objective"].get<double>();
-      const bool is_better = !best || (is_maximised ? value > *best : value < *best);
-      best = is_better ? value : *best;
-    }
-    curve.push_back(best ? Json(*best) : Json(nullptr));
+void check_has_one_objective(const Study& study, const fs::path& run) {
+  if (has_several_objectives(study.goal)) {
+    throw ConfigError(run.string() +
+                      ": has several objectives, and runs side by side are compared by one; "
+                      "report it by itself");
   }
-  return curve;
-}
-
-/// Titles of the studies; with the folders' names where two have the same.
-std::vector<std::string> run_labels(const std::vector<Study>& studies,
-                                    const std::vector<fs::path>& paths) {
-  std::vector<std::string> labels;
-  for (std::size_t i = 0; i < studies.size(); ++i) {
-    const auto same = std::ranges::count(studies, studies[i].title, &Study::title);
-    const std::string folder = fs::absolute(paths[i]).lexically_normal().filename().string();
-    labels.push_back(same == 1 ? studies[i].title
-                               : fmt::format("{} ({})", studies[i].title, folder));
-  }
-  return labels;
-}
-
-/// For each study the first one that it is comparable with.
-std::vector<std::size_t> comparable_groups(const std::vector<Study>& studies) {
-  std::vector<std::size_t> groups;
-  for (const Study& study : studies) {
-    const auto first = std::ranges::find_if(
-        studies, [&](const Study& other) { return is_comparable(study, other); });
-    groups.push_back(static_cast<std::size_t>(first - studies.begin()));
-  }
-  return groups;
-}
-
-Json several_runs(const std::vector<fs::path>& paths) {
-  Json data = {{"title", "Comparison of runs"}};
-  std::vector<Study> studies;
-  std::ranges::transform(paths, std::back_inserter(studies), study_of);
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    if (has_several_objectives(studies[i].goal)) {
-      throw ConfigError(paths[i].string() +
-                        ": has several objectives, and runs side by side are compared by one; "
-                        "report it by itself");
-    }
-  }
-  const std::vector<std::string> labels = run_labels(studies, paths);
-  const std::vector<std::size_t> groups = comparable_groups(studies);
-  Json designs = Json::array();
-  Json runs = Json::array();
-  for (const fs::path& path : paths) {
-    const Json single = single_run(path);
-    const Json result = read_json(path / "result.json");
-    Json run = {{"title", labels[runs.size()]},
-                {"group", groups[runs.size()]},
-                {"differs", differences(studies.front(), studies[runs.size()])}};
-    if (single.contains("objective")) {
-      run["objective"] = single["objective"];
-      data["objective"] = data.contains("objective") ? data["objective"] : single["objective"];
-    }
-    if (single.contains("status")) {
-      run["status"] = single["status"];
-      run["evaluations"] = result["evaluations"];
-      run["failed"] = result["failed"];
-      run["best_so_far"] = best_so_far(single);
-    }
-    for (Json design : single["designs"]) {
-      design["run"] = run["title"];
-      design["title"] = fmt::format(
-          "{}, {}", design["title"].get<std::string>(), run["title"].get<std::string>());
-      design["key"] = path.filename().string() + " " + design["key"].get<std::string>();
-      if (design["role"] != "prototype") {
-        run["scores"] = design["scores"];
-        run["rescored"] = design.value("rescored", Json::object());
-        run["repeated"] = design.value("repeated", Json::object());
-        run["feasible"] = design.value("feasible", true);
-      }
-      designs.push_back(std::move(design));
-    }
-    runs.push_back(run);
-  }
-  data["designs"] = designs;
-  data["runs"] = runs;
-  return data;
 }
 
 }  // namespace
 
 nlohmann::ordered_json report_data(const std::vector<fs::path>& runs) {
-  return complete_report(runs.size() == 1 ? single_run(runs.front()) : several_runs(runs));
+  if (runs.size() == 1) {
+    return complete_report(single_run(runs.front()));
+  }
+  std::vector<ReportedRun> several;
+  for (const fs::path& run : runs) {
+    Study study = study_of(run);
+    check_has_one_objective(study, run);
+    Json data = single_run(run);
+    Json result = read_json(run / "result.json");
+    several.push_back({run, std::move(study), std::move(data), std::move(result)});
+  }
+  return complete_report(several_runs(std::move(several)));
 }
 
 std::string report_html(const std::vector<fs::path>& runs) {

@@ -73,20 +73,34 @@ function figures(facts) {
   return columns(shown);
 }
 
-function ranked(facts) {
-  const value = (design) => facts.value(design, facts.objective.name);
+/** The best first; what has no value last. */
+export function ranked(facts, designs, { name, maximise }) {
+  const value = (design) => facts.value(design, name);
   const order = (a, b) => {
     const wins = [a, b].map((design) => Number(facts.role(design) === 'winner'));
     if (!facts.runs.length && wins[0] !== wins[1]) return wins[1] - wins[0];
     if (!isNumber(value(a)) || !isNumber(value(b))) return Number(isNumber(value(b))) - Number(isNumber(value(a)));
-    return facts.maximise ? value(b) - value(a) : value(a) - value(b);
+    return maximise ? value(b) - value(a) : value(a) - value(b);
   };
-  return [...facts.designs].sort(order);
+  return [...designs].sort(order);
 }
 
-function board(facts) {
-  if (facts.designs.length < 2) return null;
-  const names = facts.mainScores();
+/** What is ranked together: all designs, or of runs those of each group, by its objective. */
+export function rankedTogether(facts) {
+  const own = { name: facts.objective.name, maximise: facts.maximise };
+  const groups = [...new Set(facts.runs.map((run) => run.group ?? 0))];
+  if (groups.length < 2) return [{ designs: facts.designs, objective: own, caption: '' }];
+  return groups.map((group) => {
+    const runs = facts.runs.filter((run) => (run.group ?? 0) === group);
+    const titles = runs.map((run) => run.title);
+    const objective = runs[0].objective ? { name: runs[0].objective.name, maximise: !String(runs[0].objective.sense ?? '').startsWith('min') } : own;
+    return { designs: facts.designs.filter((design) => titles.includes(design.run)), objective, caption: titles.join(', ') };
+  });
+}
+
+function groupBoard(facts, { designs, objective, caption }) {
+  const isGiven = (name) => name && designs.some((design) => isNumber(facts.value(design, name)));
+  const names = facts.runs.length ? [...new Set([objective.name, ...facts.mainScores()])].filter(isGiven) : facts.mainScores();
   const cell = (design, name) => {
     const constraint = facts.constraints.find((one) => one.name === name);
     const fresh = design.rescored?.[name];
@@ -99,13 +113,20 @@ function board(facts) {
       !facts.runs.length && facts.title(design).toLowerCase() !== facts.role(design) && badge(facts.role(design), facts.roleName(design))),
     names.map((name) => cell(design, name)),
     h('td', {}, design.feasible === undefined || design.feasible === null ? '\u2013' : design.feasible ? badge('good', 'feasible') : badge('bad', 'not feasible')));
+  const objectives = facts.runs.length ? [objective] : facts.objectives;
+  const sense = (one) => (facts.front || facts.runs.length ? (one.maximise ? 'maximise' : 'minimise') : facts.objective.sense);
   const heading = (name) => {
     const constraint = facts.constraints.find((one) => one.name === name);
-    return h('th', { title: facts.meaning(name) }, facts.label(name), constraint && h('small', {}, facts.limit(constraint)), facts.objectives.filter((one) => one.name === name).map((one) => h('small', {}, `objective, ${facts.front ? (one.maximise ? 'maximise' : 'minimise') : facts.objective.sense}`)));
+    return h('th', { title: facts.meaning(name) }, facts.label(name), constraint && h('small', {}, facts.limit(constraint)), objectives.filter((one) => one.name === name).map((one) => h('small', {}, `objective, ${sense(one)}`)));
   };
-  return h('div', { class: 'scroll' }, h('table', { class: 'board' },
+  return [caption ? h('h3', {}, caption) : null, h('div', { class: 'scroll' }, h('table', { class: 'board' },
     h('thead', {}, h('tr', {}, h('th', {}, 'design'), names.map(heading), h('th', {}, 'constraints'))),
-    h('tbody', {}, ranked(facts).map(row))));
+    h('tbody', {}, ranked(facts, designs, objective).map(row))))];
+}
+
+function board(facts) {
+  if (facts.designs.length < 2) return null;
+  return rankedTogether(facts).map((group) => groupBoard(facts, group));
 }
 
 /** The sentences of `glint explain` about the scores of the board. */

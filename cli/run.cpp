@@ -241,7 +241,7 @@ std::string cost_parts_text(const Json& cpu_s) {
                                    {"writing", "writing"},
                                    {"manufacture", "designs as built"},
                                    {"populations", "parts of the populations"}}) {
-    if (cpu_s.value(name, 0.0) > 0.0) {
+    if (cpu_s.contains(name) && cpu_s[name].is_number() && cpu_s[name].get<double>() > 0.0) {
       parts.push_back(fmt::format("{} {}", what, duration_text(cpu_s[name].get<double>())));
     }
   }
@@ -251,8 +251,14 @@ std::string cost_parts_text(const Json& cpu_s) {
 /// What a run will cost, apart and together.
 std::string cost_text(const Json& result) {
   const Json& cpu_s = result["predicted_cpu_s"];
+  const bool is_known = !result["evaluations"].is_null();
   std::string text;
-  if (result["evaluations"].get<int>() > 0) {
+  if (!is_known) {
+    text += fmt::format(
+        "{:.3f} CPU s an evaluation; how many there will be cannot be predicted: only budget.stall "
+        "or budget.target ends the search\n",
+        result["seconds_per_evaluation"].get<double>());
+  } else if (result["evaluations"].get<int>() > 0) {
     text += fmt::format("{:.3f} CPU s an evaluation, {} evaluations\n",
                         result["seconds_per_evaluation"].get<double>(),
                         result["evaluations"].get<int>());
@@ -260,6 +266,9 @@ std::string cost_text(const Json& result) {
   if (result.contains("manufacture_evaluations")) {
     text += fmt::format("at most {} more evaluations of designs as they will be built\n",
                         result["manufacture_evaluations"].get<int>());
+  }
+  if (!is_known) {
+    return text + fmt::format("beside the search: {} of CPU time\n", cost_parts_text(cpu_s));
   }
   return text + fmt::format("about {} of CPU time ({}), {} on this machine when it is idle\n",
                             duration_text(cpu_s["total"].get<double>()),

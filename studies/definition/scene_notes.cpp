@@ -144,6 +144,28 @@ std::string rendering_note(const SceneSettings& scene) {
       reflections_text(scene.paths));
 }
 
+/// A surface that scatters nothing, where only ring, dome, bar and the like shine on it; empty
+/// otherwise. A tunnel or surroundings fill what it mirrors.
+std::string mirror_note(const SceneSettings& scene) {
+  const MaterialSettings& material = scene.material;
+  const bool is_smooth =
+      material.alpha.empty()
+          ? material.roughness == 0.0
+          : std::ranges::all_of(material.alpha, [](double alpha) { return alpha == 0.0; });
+  const bool is_mirror = material.type == MaterialSettings::Type::kMirror ||
+                         (material.type == MaterialSettings::Type::kConductor && is_smooth);
+  const bool has_surroundings =
+      scene.has_tunnel || std::ranges::any_of(scene.lights, [](const NamedLight& light) {
+        return std::holds_alternative<EnvironmentSettings>(light.settings);
+      });
+  if (!is_mirror || has_surroundings || scene.lights.empty()) {
+    return "";
+  }
+  return "The part is a mirror without roughness: it is bright only where it reflects a light into "
+         "the camera and black elsewhere, where no defect shows. Give it the roughness of its "
+         "finish (material.type = \"conductor\" with a roughness), or light it with a tunnel.";
+}
+
 /// How a path-traced scene is lit and rendered.
 std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& scores) {
   std::vector<std::string> notes;
@@ -152,6 +174,9 @@ std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& sc
   }
   const std::vector<std::string> mounts = mount_notes(scene);
   notes.insert(notes.end(), mounts.begin(), mounts.end());
+  if (const std::string note = mirror_note(scene); !note.empty()) {
+    notes.push_back(note);
+  }
   notes.push_back(rendering_note(scene));
   const auto mean = scores.find("homogeneity.mean");
   if (mean != scores.end() && mean->second <= 0.0) {

@@ -2,6 +2,7 @@
 #include "studies/run/check_study.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "studies/imaging/path_picture.h"
 #include "studies/population/pod_study.h"
 #include "studies/population/sorting.h"
+#include "studies/report/report.h"
 #include "studies/run/design_files.h"
 #include "studies/run/repeated_scores.h"
 #include "studies/run/run_costs.h"
@@ -148,6 +150,29 @@ class VariableCheck {
   std::set<std::vector<double>> objectives_;
 };
 
+/// What a report would say of a defect that the study's own scene hides; empty where it shows.
+std::string hidden_defect_note(const Study& study, const Evaluation& baseline) {
+  Json constraints = Json::array();
+  for (const Constraint& constraint : study.goal.constraints) {
+    constraints.push_back({{"name", constraint.name}});
+    if (constraint.min) {
+      constraints.back()["min"] = *constraint.min;
+    }
+  }
+  const Json report = complete_report(
+      {{"objective",
+        {{"name", study.has_objective ? study.goal.objective.name : ""},
+         {"sense", study.goal.objective.is_maximised ? "maximise" : "minimise"}}},
+       {"constraints", constraints},
+       {"designs", {{{"key", "baseline"}, {"scores", scores_json(baseline.scores)}}}}});
+  for (const Json& finding : report["verdict"]["findings"]) {
+    if (finding["code"] == "defects_hidden") {
+      return (study.has_search() ? "Before the search: " : "") + finding["text"].get<std::string>();
+    }
+  }
+  return "";
+}
+
 /// Remarks on the study's own scene.
 std::vector<std::string> baseline_notes(SceneStore& store,
                                         const Study& study,
@@ -156,7 +181,8 @@ std::vector<std::string> baseline_notes(SceneStore& store,
   const auto view = path_view_of(scene, baseline.traced->part);
   std::vector<std::string> notes = notes_of(study.scene, baseline.scores, view.get());
   for (const std::string& note : {narrow_defects_note(*baseline.traced, study.scene),
-                                  defect_stripes_note(*baseline.traced, study.scene)}) {
+                                  defect_stripes_note(*baseline.traced, study.scene),
+                                  hidden_defect_note(study, baseline)}) {
     if (!note.empty()) {
       notes.push_back(note);
     }
@@ -202,9 +228,10 @@ class Check {
     }
     step("the populations");
     costs_.populations_s = predicted_population_s(study_, store_);
-    costs_.search_s = study_.has_search() ? sample_.evaluation_s * study_.budget.evaluations : 0.0;
+    search_ = study_.has_search() ? predicted_search(study_.budget, sample_.evaluation_s, at_once())
+                                  : PredictedSearch();
+    costs_.search_s = accurate_.cpu_s + (search_ ? search_->cpu_s : 0.0);
     costs_.manufacture_s = has_manufacture() ? sample_.evaluation_s * kMaxBuiltDesigns : 0.0;
-    costs_.search_s += accurate_.cpu_s;
     return result();
   }
 
@@ -259,19 +286,16 @@ class Check {
     }
   }
 
+  int at_once() const { return std::max(1, std::min(options_.jobs, study_.search.batch)); }
+
   /// On a machine that has nothing else to do.
   double predicted_s() const {
-    const int at_once = std::max(1, std::min(options_.jobs, study_.search.batch));
-    double search_s = costs_.search_s / at_once;
-    const double built_s = costs_.manufacture_s / std::max(1, options_.jobs);
-    const Budget& budget = study_.budget;
-    if (study_.has_search() && budget.wall_clock_s > 0.0 &&
-        (budget.evaluations == 0 || budget.wall_clock_s < search_s)) {
-      search_s = budget.wall_clock_s;
-    }
-    return search_s + built_s + costs_.rescoring_s + costs_.writing_s +
-           costs_.populations_s / options_.threads;
+    return costs_.search_s / at_once() + costs_.manufacture_s / std::max(1, options_.jobs) +
+           costs_.rescoring_s + costs_.writing_s + costs_.populations_s / options_.threads;
   }
+
+  /// null where nothing tells when the search ends.
+  Json known(double seconds) const { return search_ ? Json(seconds) : Json(nullptr); }
 
   Json names_of_objectives() const {
     Json names = Json::array();
@@ -288,7 +312,8 @@ class Check {
       json["predicted_cpu_s"]["manufacture"] = costs_.manufacture_s;
     }
     if (accurate_.chosen) {
-      json["accuracy"] = accurate_search_json(store_, study_, accurate_, study_.budget.evaluations);
+      json["accuracy"] =
+          accurate_search_json(store_, study_, accurate_, search_ ? search_->evaluations : 0);
     }
     return json;
   }
@@ -305,15 +330,15 @@ class Check {
             {"is_objective_flat", variables_.is_objective_flat()},
             {"baseline", baseline_},
             {"prototypes", designs_},
-            {"evaluations", study_.has_search() ? study_.budget.evaluations : 0},
+            {"evaluations", search_ ? Json(search_->evaluations) : Json(nullptr)},
             {"seconds_per_evaluation", sample_.evaluation_s},
             {"predicted_cpu_s",
-             {{"search", costs_.search_s},
+             {{"search", known(costs_.search_s)},
               {"rescoring", costs_.rescoring_s},
               {"writing", costs_.writing_s},
               {"populations", costs_.populations_s},
-              {"total", costs_.total_s()}}},
-            {"predicted_s", predicted_s()}};
+              {"total", known(costs_.total_s())}}},
+            {"predicted_s", known(predicted_s())}};
   }
 
   const Study& study_;
@@ -326,6 +351,7 @@ class Check {
   AccurateSearch accurate_;
   SearchSample sample_;
   RunCosts costs_;
+  std::optional<PredictedSearch> search_;  ///< empty: nothing tells when it ends
   Json baseline_;
   Json designs_ = Json::object();
 };

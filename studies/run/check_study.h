@@ -28,7 +28,8 @@ struct CheckOptions {
 ///         seconds_per_evaluation, predicted_cpu_s: { search, rescoring, writing, populations,
 ///         total; with [manufacture] manufacture }, predicted_s; with it manufacture_evaluations:
 ///         at most so many more }; seconds_per_evaluation is CPU time, predicted_s the wall's on a
-///         machine that has nothing else to do
+///         machine that has nothing else to do; evaluations, search, total and predicted_s are null
+///         where only budget.stall or budget.target ends the search
 nlohmann::ordered_json check_study(const Study& study, const CheckOptions& options);
 
 }  // namespace glint

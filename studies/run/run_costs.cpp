@@ -30,6 +30,22 @@ constexpr int kPage_px = 650;  ///< width of a frame on the report's page, about
 
 }  // namespace
 
+std::optional<PredictedSearch> predicted_search(const Budget& budget,
+                                                double evaluation_s,
+                                                int at_once) {
+  const double in_time_s = budget.wall_clock_s * at_once;
+  const bool has_count = budget.evaluations > 0;
+  const double all_s = evaluation_s * budget.evaluations;
+  if (budget.wall_clock_s > 0.0 && (!has_count || in_time_s < all_s)) {
+    constexpr double kMost = 1e9;
+    const double count = evaluation_s > 0.0 ? std::min(kMost, in_time_s / evaluation_s) : 0.0;
+    return PredictedSearch{.cpu_s = in_time_s, .evaluations = static_cast<int>(count)};
+  }
+  return has_count
+             ? std::optional(PredictedSearch{.cpu_s = all_s, .evaluations = budget.evaluations})
+             : std::nullopt;
+}
+
 SearchSample sample_search(const Study& study,
                            SceneStore& store,
                            int jobs,

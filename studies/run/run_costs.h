@@ -15,7 +15,7 @@ namespace glint {
 
 /// CPU seconds of a run, by what they go into.
 struct RunCosts {
-  double search_s = 0.0;     ///< all evaluations of the budget
+  double search_s = 0.0;     ///< all evaluations of the budget, choosing how to render them
   double rescoring_s = 0.0;  ///< fresh noise, finer sampling, repeated scans of each written design
   double writing_s = 0.0;    ///< frames, pictures, drawings of every design
   double manufacture_s = 0.0;  ///< designs as they will be built, at most
@@ -25,6 +25,20 @@ struct RunCosts {
     return search_s + rescoring_s + writing_s + manufacture_s + populations_s;
   }
 };
+
+/// What the evaluations of a search will take.
+struct PredictedSearch {
+  double cpu_s = 0.0;
+  int evaluations = 0;
+};
+
+/// The limit of a budget that is met first counts: its evaluations, or the clock on the wall.
+/// @param evaluation_s  CPU seconds of one
+/// @param at_once       of them, >= 1
+/// @return empty where only a stall or a target ends the search, which nothing tells beforehand
+std::optional<PredictedSearch> predicted_search(const Budget& budget,
+                                                double evaluation_s,
+                                                int at_once);
 
 /// The first evaluations of a study's search.
 struct SearchSample {

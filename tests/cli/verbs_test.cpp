@@ -11,6 +11,7 @@ namespace fs = std::filesystem;
 
 using Json = nlohmann::json;
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -78,6 +79,32 @@ TEST(Check, PredictsWithoutWriting) {
   EXPECT_TRUE(json["baseline"]["scores"].contains("homogeneity.h_rms"));
   EXPECT_EQ(json["prototypes"].size(), 2U);
   EXPECT_EQ(folder.count(), 1);
+}
+
+TEST(Check, PredictsASearchThatTimeEndsAndNoneThatOnlyAStallEnds) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", small_study());
+  const std::vector<std::string> unlimited = {
+      "check", "study.toml", "--set", "budget.evaluations=0"};
+  const auto with = [&](const std::string& set) {
+    std::vector<std::string> arguments = unlimited;
+    arguments.insert(arguments.end(), {"--set", set});
+    return arguments;
+  };
+  const Json timed = json_of(folder, with("budget.wall_clock=8h"));
+  const double each_s = timed["seconds_per_evaluation"].get<double>();
+  EXPECT_GE(timed["predicted_s"].get<double>(), 8 * 3600.0);
+  EXPECT_GE(timed["predicted_cpu_s"]["search"].get<double>(), 8 * 3600.0);
+  EXPECT_NEAR(timed["evaluations"].get<double>() * each_s,
+              timed["predicted_cpu_s"]["search"].get<double>(),
+              each_s);
+  const Json stalled = json_of(folder, with("budget.stall=50"));
+  EXPECT_TRUE(stalled["evaluations"].is_null());
+  EXPECT_TRUE(stalled["predicted_s"].is_null());
+  EXPECT_TRUE(stalled["predicted_cpu_s"]["search"].is_null());
+  EXPECT_GT(stalled["predicted_cpu_s"]["writing"], 0.0);
+  EXPECT_THAT(glint_in(folder, with("budget.stall=50")).out,
+              AllOf(HasSubstr("cannot be predicted"), HasSubstr("beside the search: re-scoring ")));
 }
 
 // An ellipse has no radius; a semicylinder does.

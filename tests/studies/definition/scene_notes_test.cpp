@@ -51,6 +51,22 @@ TEST(SceneNotes, PromiseNoEvenMeanOfRoughMetal) {
   EXPECT_THAT(method_notes(scene), Contains(HasSubstr("blurred reflections")));
 }
 
+TEST(SceneNotes, TellThatASmoothMirrorShowsTheLightsAlone) {
+  const auto has_note = Contains(HasSubstr("is a mirror without roughness"));
+  SceneSettings scene = lit_by({{.name = "ring", .settings = RingSettings{}}});
+  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  scene.material.type = MaterialSettings::Type::kConductor;
+  EXPECT_THAT(scene_notes(scene, {}), Not(has_note));
+  scene.material.roughness = 0.0;
+  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  scene.material.alpha = {0.3};
+  EXPECT_THAT(scene_notes(scene, {}), Not(has_note));
+  scene.material = {};
+  scene.lights.push_back({.name = "sky", .settings = EnvironmentSettings{}});
+  EXPECT_THAT(scene_notes(scene, {}), Not(has_note)) << "it reflects the surroundings everywhere";
+  EXPECT_THAT(scene_notes(SceneSettings{}, {}), Not(has_note)) << "a tunnel is made for it";
+}
+
 TEST(SceneNotes, TellThatALightOnThePartMovesWithItsPose) {
   BarSettings bar;
   bar.placement.mount = LightPlacement::Mount::kPart;

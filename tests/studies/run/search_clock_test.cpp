@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "studies/run/run_costs.h"
+
 namespace glint {
 namespace {
 
@@ -49,6 +51,19 @@ TEST(SearchClock, OfNothingAndOfOneEvaluation) {
   clock.note(1, 3.0);
   EXPECT_NEAR(clock.mean_s(1), 3.0, 1e-12);
   EXPECT_NEAR(clock.mean_s(10), 3.0, 1e-12);
+}
+
+// 300 evaluations of 2 s, two at once, take 300 s of the clock and 600 CPU seconds.
+TEST(PredictedSearch, EndsAtTheLimitThatIsMetFirst) {
+  const auto of = [](const Budget& budget) { return *predicted_search(budget, 2.0, 2); };
+  EXPECT_EQ(of({.evaluations = 300}).cpu_s, 600.0);
+  EXPECT_EQ(of({.evaluations = 300, .wall_clock_s = 301.0}).cpu_s, 600.0);
+  EXPECT_EQ(of({.evaluations = 300, .wall_clock_s = 301.0}).evaluations, 300);
+  EXPECT_EQ(of({.evaluations = 300, .wall_clock_s = 100.0}).cpu_s, 200.0);
+  EXPECT_EQ(of({.evaluations = 300, .wall_clock_s = 100.0}).evaluations, 100);
+  EXPECT_EQ(of({.evaluations = 0, .wall_clock_s = 100.0}).evaluations, 100);
+  EXPECT_FALSE(predicted_search({.evaluations = 0, .stall = 20}, 2.0, 2));
+  EXPECT_FALSE(predicted_search({.evaluations = 0, .target = 0.9}, 2.0, 2));
 }
 
 }  // namespace

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/run/check_study.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/studies/run/rendered_plate.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// The notes on the baseline of a study, as one text.
+std::string notes_of_check(const std::string& text) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", text);
+  const Study study = load_study(folder / "study.toml", {});
+  return check_study(study, {.threads = 1, .jobs = 1, .progress = Progress::Style::kNone})
+      .at("baseline")
+      .at("notes")
+      .dump();
+}
+
+TEST(CheckStudy, TellsOfADefectThatTheStudysOwnSceneHides) {
+  const std::string rough = replaced(kScene, "height_um = 100", "height_um = 400");
+  const std::string mirror =
+      replaced(rough, "type = \"conductor\"\nroughness = 0.3", "type = \"mirror\"");
+  EXPECT_THAT(notes_of_check(mirror),
+              AllOf(HasSubstr("No design here shows the worst defect"),
+                    HasSubstr("is a mirror without roughness")));
+  EXPECT_THAT(notes_of_check(rough), Not(HasSubstr("shows the worst defect")));
+}
+
+}  // namespace
+}  // namespace glint

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,6 +17,7 @@
 #include "studies/acquire/acquired.h"
 #include "studies/acquire/cell_devices.h"
 #include "studies/acquire/plan_digest.h"
+#include "studies/acquire/source_files.h"
 #include "studies/cell/cell_copy.h"
 #include "studies/cell/twin_process.h"
 #include "studies/output/output_folder.h"
@@ -47,6 +49,16 @@ struct Prepared {
   std::string digest;  ///< digest_in() the folder
 };
 
+/// What is read before anything is connected, and has to lie elsewhere than what is written.
+std::vector<fs::path> files_read(const Prepared& ready, const fs::path& source) {
+  const SourceFiles named = files_of(source);
+  std::vector<fs::path> files = {ready.cell.file, ready.cell.calibration, named.plan, named.scene};
+  if (ready.source.scene) {
+    std::ranges::copy(input_files(*ready.source.scene), std::back_inserter(files));
+  }
+  return files;
+}
+
 Prepared prepare(const AcquireOptions& options) {
   Prepared ready = {.cell = read_cell(options.cell)};
   if (!options.twin.empty()) {
@@ -66,6 +78,7 @@ Prepared prepare(const AcquireOptions& options) {
                      ? default_result_folder(parent.filename().string(), ResultKind::kAcquire)
                      : options.out;
   check_result_folder(ready.folder, ResultKind::kAcquire, kNames);
+  check_inputs_kept(files_read(ready, options.source), ready.folder, kNames);
   ready.digest = digest_in(ready.folder, ready.work, ready.source, ready.cell);
   return ready;
 }

@@ -37,9 +37,7 @@ class CoverRun {
 
   Json execute() {
     check_result_folder(options_.out, ResultKind::kCover, kFiles);
-    std::vector<fs::path> inputs = input_files(study_.scene);
-    inputs.emplace_back(study_.root.place.file);
-    check_inputs_kept(inputs, options_.out, kFiles);
+    check_inputs_kept(input_files(study_), options_.out, kFiles);
     const std::optional<PodReference> pod = reference();
     const SceneCoverage covered = cover();
     Json result = coverage_json(covered, study_.scene.coverage, pod);

@@ -275,13 +275,39 @@ void check_holds_scene(const ConfigNode& root, std::vector<Problem>& errors) {
   }
 }
 
+/// The files that values of a tree were written in: its own and those it includes.
+void add_files_of(const ConfigNode& node, std::vector<fs::path>& files) {
+  files.emplace_back(node.place.file);
+  for (const ConfigNode& item : node.items) {
+    add_files_of(item, files);
+  }
+}
+
+/// What a scene's pictures and its defects are made of.
+void add_files_of(const SceneSettings& scene, std::vector<fs::path>& files) {
+  std::ranges::copy(input_files(scene), std::back_inserter(files));
+  for (const auto& [name, group] : scene.defects) {
+    files.push_back(group.region.file);
+    files.push_back(group.tool_folder);
+  }
+}
+
 }  // namespace
 
 std::vector<fs::path> input_files(const Study& study) {
-  std::vector<fs::path> files = {fs::path(study.root.place.file), study.scene.part.file};
+  std::vector<fs::path> files;
+  add_files_of(study.root, files);
+  add_files_of(study.scene, files);
+  for (const Prototype& prototype : study.prototypes) {
+    add_files_of(scene_with(study, prototype.overrides), files);
+  }
   if (study.calibration_trial) {
     files.push_back(study.calibration_trial->board);
   }
+  std::ranges::sort(files);
+  const auto repeated = std::ranges::unique(files);
+  files.erase(repeated.begin(), repeated.end());
+  std::erase_if(files, [](const fs::path& file) { return file.empty(); });
   return files;
 }
 

@@ -67,7 +67,8 @@ struct KeyValue {
 /// Reads and checks a study. @throws ConfigError with every problem, IoError
 Study load_study(const std::filesystem::path& path, const std::vector<KeyValue>& sets);
 
-/// The files that a study consists of: its own and the part's.
+/// All files that a study and its prototypes are read from, and folders of tools: its own and those
+/// it includes, and those of its scenes.
 std::vector<std::filesystem::path> input_files(const Study& study);
 
 /// The study's scene with other values. @throws ConfigError naming path and what is allowed

@@ -109,6 +109,7 @@ Json preview_tools(const Study& study, const ImprintOptions& options) {
   }
   const std::vector<std::string> names = {"tools", "tools.json", "tools.png", "run.json"};
   check_result_folder(options.out, ResultKind::kTools, names);
+  check_inputs_kept(input_files(study), options.out, names);
   OutputFolder folder(options.out);
   remove_stale_stages(options.out);
   ThreadPool pool(options.threads);

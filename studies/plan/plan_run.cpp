@@ -45,8 +45,7 @@ class PlanRun {
 
   Json execute() {
     check_result_folder(options_.out, ResultKind::kViewPlan, kFiles);
-    std::vector<fs::path> inputs = input_files(study_.scene);
-    inputs.emplace_back(study_.root.place.file);
+    std::vector<fs::path> inputs = input_files(study_);
     inputs.push_back(options_.cell);
     check_inputs_kept(inputs, options_.out, kFiles);
     made_ = plan();

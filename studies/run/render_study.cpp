@@ -2,8 +2,10 @@
 #include "studies/run/render_study.h"
 #include "studies/definition/study_text.h"
 
+#include <algorithm>
 #include <chrono>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
@@ -21,17 +23,68 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
+namespace {
+
+constexpr int kMostViews = 999;
+
+/// "gear"; empty where the folder does not tell.
+std::string rendered_study(const fs::path& out) {
+  std::error_code ignored;
+  const fs::path file = out / "run.json";
+  if (!fs::is_regular_file(file, ignored)) {
+    return "";
+  }
+  const Json run = Json::parse(read_file(file), nullptr, false);
+  const bool is_told = run.is_object() && run.contains("study") && run["study"].is_string();
+  return is_told ? run["study"].get<std::string>() : "";
+}
+
+bool is_folder_of_view(const std::string& name) {
+  const std::string prefix = "view_";
+  return name == "baseline" ||
+         (name.starts_with(prefix) && name.size() > prefix.size() &&
+          name.find_first_not_of("0123456789", prefix.size()) == std::string::npos);
+}
+
+}  // namespace
+
 void check_render_folder(const Study& study, const fs::path& out) {
-  const std::vector<std::string> names = {"baseline",
-                                          "view_01",
-                                          "result.json",
-                                          "run.json",
-                                          "report.html",
-                                          "preview.png",
-                                          "contact_sheet.png",
-                                          "study.resolved.toml"};
+  std::vector<std::string> names = {"baseline",
+                                    "result.json",
+                                    "run.json",
+                                    "report.html",
+                                    "preview.png",
+                                    "contact_sheet.png",
+                                    "study.resolved.toml"};
+  for (int view = 1; view <= kMostViews; ++view) {
+    names.push_back(fmt::format("view_{:02}", view));
+  }
   check_result_folder(out, ResultKind::kRender, names);
+  const std::string other = rendered_study(out);
+  if (!other.empty() && other != study.name) {
+    throw ConfigError(fmt::format(
+        "{}: holds the rendering of {}; choose another output folder", out.string(), other));
+  }
   check_inputs_kept(input_files(study), out, names);
+}
+
+void remove_other_views(const fs::path& out, const std::vector<std::string>& kept) {
+  if (kept.empty()) {
+    return;
+  }
+  std::vector<fs::path> others;
+  for (const fs::directory_entry& entry : fs::directory_iterator(out)) {
+    const std::string name = entry.path().filename().string();
+    if (is_folder_of_view(name) && std::ranges::find(kept, name) == kept.end()) {
+      others.push_back(entry.path());
+    }
+  }
+  if (kept.size() == 1) {
+    others.push_back(out / "contact_sheet.png");
+  }
+  for (const fs::path& other : others) {
+    fs::remove_all(other);
+  }
 }
 
 Json render_study(const Study& whole_study, const fs::path& out, int threads) {
@@ -50,6 +103,7 @@ Json render_study(const Study& whole_study, const fs::path& out, int threads) {
                                  out / "baseline",
                                  false,
                                  {.fringes = false, .slot = false});
+  remove_other_views(out, {"baseline"});
   write_file(out / "study.resolved.toml", resolved_text(study));
   Json result = {{"schema", 1},
                  {"status", "done"},

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -11,8 +13,14 @@
 
 namespace glint {
 
-/// Asks whether `glint render` may write there. @throws ConfigError
+/// Asks whether `glint render` may write there. @throws ConfigError: also where another study's
+/// rendering is
 void check_render_folder(const Study& study, const std::filesystem::path& out);
+
+/// Removes what an earlier rendering of other views left in a folder.
+/// @param kept  names of the folders of views that have just been written; empty: nothing is
+/// removed
+void remove_other_views(const std::filesystem::path& out, const std::vector<std::string>& kept);
 
 /// Renders the study's own scene into a folder; no search. Of scenes with allows_many_viewpoints()
 /// render_views() shows more.

@@ -333,6 +333,11 @@ class RenderRun {
   }
 
   Json finish(OutputFolder& folder) {
+    std::vector<std::string> written;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      written.push_back(folder_of(i));
+    }
+    remove_other_views(options_.out, written);
     if (small_.size() > 1) {
       write_png(options_.out / "contact_sheet.png", numbered_sheet(small_));
     }

@@ -54,6 +54,16 @@ TEST_F(PrototypesOfARun, AreNotAskedForWhenAllPicturesAreThere) {
   EXPECT_EQ(acquire_pictures(options, permit)["status"], "waiting");
 }
 
+TEST_F(PrototypesOfARun, AreNotReadFromWherePicturesAreWritten) {
+  AcquireOptions options = {.source = scene("wide"), .cell = folder_ / "out/cell.toml"};
+  write_file(options.cell, kLonelyCell);
+  options.out = folder_ / "out";
+  mark_result_folder(options.out, ResultKind::kAcquire);
+  EXPECT_THAT(
+      [&] { describe_acquisition(options); },
+      testing::ThrowsMessage<ConfigError>(HasSubstr("out/cell.toml: is read, and lies where")));
+}
+
 // Its camera would see other grey values: they are no pictures of this design.
 TEST_F(PrototypesOfARun, HaveNoPicturesOfAnotherPower) {
   write_file(folder_ / "cell.toml", kLonelyCell);

@@ -334,5 +334,34 @@ TEST(Duration, IsReadAsPeopleWriteIt) {
   EXPECT_FALSE(parse_duration_s("-3s").has_value());
 }
 
+// What a verb must not overwrite: also what an include, a prototype or a group of defects names.
+TEST(InputFiles, AreAllThatAStudyIsReadFrom) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "tools");
+  for (const char* name : {"wear.png", "other.png", "faces.ply", "tools/a.stl"}) {
+    write_file(folder / name, "x");
+  }
+  write_file(folder / "base.toml", "[camera]\nwidth_px = 40\n");
+  write_file(folder / "s.toml", R"(include = ["base.toml"]
+[material.texture]
+colour_file = "wear.png"
+[lighting.ring]
+[defects.dent]
+count = 2
+tool_folder = "tools"
+region = "faces"
+region_file = "faces.ply"
+[prototypes.worn]
+"material.texture.colour_file" = "other.png"
+)");
+  std::vector<std::string> names;
+  for (const fs::path& file : input_files(load_study(folder / "s.toml", {}))) {
+    names.push_back(file.filename().string());
+  }
+  EXPECT_THAT(names,
+              ::testing::UnorderedElementsAre(
+                  "s.toml", "base.toml", "wear.png", "other.png", "faces.ply", "tools"));
+}
+
 }  // namespace
 }  // namespace glint

@@ -66,6 +66,60 @@ TEST(RenderViews, WriteAScoredViewWithAllItsFiles) {
   EXPECT_FALSE(written["views"][0].contains("cpu_s")) << "times are in run.json alone";
 }
 
+/// The plate from so many viewpoints.
+std::string plate_from(int count) {
+  std::string text = kScene;
+  for (int i = 0; i < count; ++i) {
+    text += "[[viewpoint]]\nposition_mm = [" + std::to_string(i) +
+            ", 0, 100]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\n";
+  }
+  return replaced(text, "samples = 8", "samples = 2");
+}
+
+TEST(RenderViews, RemoveViewsOfAnEarlierRendering) {
+  const TemporaryFolder folder;
+  const auto has = [&](const char* name) { return fs::exists(folder / "out" / name); };
+  render(folder.path(), plate_from(5));
+  EXPECT_TRUE(has("view_05"));
+  render(folder.path(), plate_from(3));
+  EXPECT_TRUE(has("view_03"));
+  EXPECT_FALSE(has("view_04"));
+  EXPECT_FALSE(has("view_05"));
+  write_file(folder / "out/view_notes.txt", "mine");
+  render(folder.path(), plate_from(1));
+  EXPECT_TRUE(has("baseline"));
+  EXPECT_FALSE(has("view_01"));
+  EXPECT_FALSE(has("contact_sheet.png"));
+  EXPECT_TRUE(has("view_notes.txt")) << "what is no view is not touched";
+  render(folder.path(), plate_from(2));
+  EXPECT_FALSE(has("baseline"));
+}
+
+TEST(RenderViews, OfAnotherStudyAreRefused) {
+  const TemporaryFolder folder;
+  render(folder.path(), plate_from(1));
+  write_file(folder / "other.toml", plate_from(1));
+  const Study other = load_study(folder / "other.toml", {});
+  try {
+    render_views(other, {.out = folder / "out", .progress = Progress::Style::kNone});
+    FAIL() << "it was rendered";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("holds the rendering of "));
+  }
+}
+
+TEST(RenderViews, KeepPicturesThatAreRead) {
+  const TemporaryFolder folder;
+  render(folder.path(), plate_from(1));
+  const std::string text =
+      replaced(plate_from(1),
+               "roughness = 0.3",
+               "roughness = 0.3\n[material.texture]\ncolour_file = \"out/baseline/image.png\"");
+  const std::string before = read_file(folder / "out/baseline/image.png");
+  EXPECT_THROW(render(folder.path(), text), ConfigError);
+  EXPECT_EQ(read_file(folder / "out/baseline/image.png"), before);
+}
+
 TEST(RenderViews, TellThePageWhatItShows) {
   const TemporaryFolder folder;
   const Json result = render(folder.path(), kScene);

@@ -2,7 +2,10 @@
 #include "studies/report/report_wording.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -35,7 +38,72 @@ double largest(const std::vector<double>& values) {
       *std::ranges::max_element(values, {}, [](double value) { return std::abs(value); }));
 }
 
+/// "-5" as superscripts.
+std::string raised(int exponent) {
+  constexpr std::array kSuperscripts = {"\u2070",
+                                        "\u00b9",
+                                        "\u00b2",
+                                        "\u00b3",
+                                        "\u2074",
+                                        "\u2075",
+                                        "\u2076",
+                                        "\u2077",
+                                        "\u2078",
+                                        "\u2079"};
+  std::string text = exponent < 0 ? "\u207b" : "";
+  for (const char digit : std::to_string(std::abs(exponent))) {
+    text += kSuperscripts[static_cast<std::size_t>(digit - '0')];
+  }
+  return text;
+}
+
+/// The first three digits of a number and its power of ten.
+struct RoundedNumber {
+  std::string digits;
+  int exponent = 0;
+};
+
+/// As JavaScript does: a half is rounded away from 0. @param value  > 0
+RoundedNumber rounded(double value) {
+  constexpr std::size_t kDigits = 3;
+  const std::string exact = fmt::format("{:.60e}", value);  // "9.996...e+00"
+  const auto mark = exact.find('e');
+  RoundedNumber number = {.digits = exact.substr(0, 1) + exact.substr(2, kDigits),
+                          .exponent = std::stoi(exact.substr(mark + 1))};
+  bool is_up = number.digits.back() >= '5';
+  number.digits.pop_back();
+  for (std::size_t i = kDigits; is_up && i-- > 0;) {
+    is_up = number.digits[i] == '9';
+    number.digits[i] = is_up ? '0' : static_cast<char>(number.digits[i] + 1);
+  }
+  if (is_up) {
+    number.digits.insert(0, 1, '1');
+    number.digits.pop_back();
+    ++number.exponent;
+  }
+  return number;
+}
+
 }  // namespace
+
+std::string measured(double value) {
+  if (value == 0.0) {
+    return "0";
+  }
+  const auto [digits, exponent] = rounded(std::abs(value));
+  const auto whole = static_cast<std::size_t>(std::max(0, exponent + 1));
+  std::string text;
+  if (exponent >= 6 || exponent < -4) {
+    text = digits.substr(0, 1) + "." + digits.substr(1) + "\u00a0\u00d7\u00a010" + raised(exponent);
+  } else if (exponent < 0) {
+    text = "0." + std::string(static_cast<std::size_t>(-exponent - 1), '0') + digits;
+  } else if (whole < digits.size()) {
+    text = digits.substr(0, whole) + "." + digits.substr(whole);
+  } else {
+    text = fmt::format("{:.0f}", std::floor(std::abs(value) + 0.5));
+  }
+  return (value < 0.0 ? "\u2212" : "") + text;
+}
 
 Wording::Wording(const Json& data)
     : Wording(data,
@@ -102,11 +170,11 @@ bool Wording::is_level(double a, double b) const {
 }
 
 std::string Wording::text(double value) const {
-  return is_percent_ ? fmt::format("{:.1f} %", 100 * value) : fmt::format("{:.4g}", value);
+  return is_percent_ ? fmt::format("{:.1f} %", 100 * value) : measured(value);
 }
 
 std::string Wording::size(double gap) const {
-  return is_percent_ ? fmt::format("{:.1f} points", 100 * gap) : fmt::format("{:.3g}", gap);
+  return is_percent_ ? fmt::format("{:.1f} points", 100 * gap) : measured(gap);
 }
 
 std::string Wording::noise_text(double noise) const {

@@ -13,6 +13,11 @@
 
 namespace glint::report_detail {
 
+/// What was measured, as the page writes it (measured() of web/format.js): three significant
+/// digits, also where the last are zeros, never fewer than the whole number has; "13.0", "0.380",
+/// "1235", from a million on and below 0.0001 "8.61 x 10^-5" with a times sign and superscripts.
+std::string measured(double value);
+
 /// How one score of the designs is read and written.
 class Wording {
  public:
@@ -49,7 +54,7 @@ class Wording {
   /// Whether two values print as one.
   bool is_level(double a, double b) const;
 
-  std::string text(double value) const;  ///< "74.5 %", "12.8"
+  std::string text(double value) const;  ///< "74.5 %", "12.8": measured()
 
   std::string size(double gap) const;  ///< of a difference: "6.4 points", "0.12"
 

@@ -164,7 +164,7 @@ TEST(InfeasibleRun, SaysWhichLimitFailedAndCallsNoDesignAWinner) {
   EXPECT_THAT(printed.out,
               ::testing::StartsWith("no feasible design: 12 evaluations, 0 failed; ended by"));
   EXPECT_THAT(printed.out, HasSubstr("closest (trial "));
-  EXPECT_THAT(printed.out, HasSubstr("must be at least 1e+06"));
+  EXPECT_THAT(printed.out, HasSubstr("must be at least 1.00\u00a0\u00d7\u00a010\u2076"));
   EXPECT_THAT(printed.out, Not(HasSubstr("winner")));
   // The best of designs that are not feasible is no best.
   EXPECT_THAT(printed.err, HasSubstr("none feasible yet"));

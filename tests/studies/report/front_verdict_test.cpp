@@ -116,7 +116,7 @@ TEST(FrontVerdict, IsNotGoodWhereTheCompromiseShowsTheDefectLess) {
   const auto tone = [](const Json& data) { return complete_report(data)["verdict"]["tone"]; };
   EXPECT_EQ(tone(trade_with_baseline(6.0, 7.0)), "good");
   const Json fainter = trade_with_baseline(6.0, 4.0);
-  EXPECT_THAT(finding(fainter, "defects_fainter"), HasSubstr("smallest CNR 4 against 6"));
+  EXPECT_THAT(finding(fainter, "defects_fainter"), HasSubstr("smallest CNR 4.00 against 6.00"));
   EXPECT_EQ(tone(fainter), "neutral");
   EXPECT_EQ(tone(trade_with_baseline(1.0, 2.0)), "neutral") << "hidden in both";
 }

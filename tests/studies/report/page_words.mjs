@@ -11,11 +11,12 @@ const source = (name) => import(pathToFileURL(join(process.argv[2], 'studies/rep
 const { count, Facts, measured, number, percent, shortNames } = await source('format.js');
 const { parseFilter } = await source('filter.js');
 const { chosenText, logTicks, panelsOf, setLine, staircase, ticks } = await source('front_words.js');
+const { ranked, rankedTogether } = await source('verdict.js');
 const { Selection } = await source('selection.js');
 
 // Three significant digits for what was measured, also where the last are zeros.
 for (const [value, text] of [[13, '13.0'], [12.34, '12.3'], [9.006, '9.01'], [0.38, '0.380'], [8.614e-4, '0.000861'], [0, '0'],
-  [-2.5, '\u22122.50'], [9.996, '10.0'], [1234.5, '1235'], [5.123e-6, '5.12\u00a0\u00d7\u00a010\u207b\u2076'], [null, '\u2013'], [NaN, '\u2013']]) assert.equal(measured(value), text);
+  [-2.5, '\u22122.50'], [9.996, '10.0'], [999.6, '1000'], [12.25, '12.3'], [1234.5, '1235'], [99999.5, '100000'], [1e6, '1.00\u00a0\u00d7\u00a010\u2076'], [5.123e-6, '5.12\u00a0\u00d7\u00a010\u207b\u2076'], [null, '\u2013'], [NaN, '\u2013']]) assert.equal(measured(value), text);
 // Four for what was set, without zeros at the end.
 for (const [value, text] of [[13, '13'], [12.35, '12.35'], [60, '60'], [0.1, '0.1'], [1000, '1000'], [123456, '123456'], ['flat', 'flat'], [true, 'true']]) assert.equal(number(value), text);
 for (const [value, text] of [[0.801, '80.1\u00a0%'], [0.0063, '0.63\u00a0%'], [-0.3705, '\u221237.0\u00a0%'], [0, '0.0\u00a0%']]) assert.equal(percent(value), text);
@@ -47,6 +48,15 @@ assert.deepEqual(logTicks(0.001, 100), [0.001, 0.01, 0.1, 1, 10, 100]);
 assert.equal(chosenText({ front: {} }), '');
 assert.match(chosenText({ front: { probability_best: [{ title: 'Evaluation 5', probability: 0.84 }, { title: 'Half', probability: 0.16 }, { title: 'Other', probability: 0.001 }] } }),
   /for all: Evaluation 5 84\u00a0%, Half 16\u00a0%\.$/);
+
+// Runs that are not comparable have a table each, ordered by their own objective.
+const runs = [{ title: 'a', group: 0, objective: { name: 'h', sense: 'maximise' } }, { title: 'b', group: 1, objective: { name: 'width', sense: 'minimise' } }, { title: 'c', group: 0 }];
+const design = (run, scores) => ({ key: `${run} ${scores.h ?? scores.width}`, run, scores });
+const apart = new Facts({ runs, objective: { name: 'h', sense: 'maximise' }, designs: [design('a', { h: 1 }), design('b', { width: 5 }), design('b', { width: 3 }), design('c', { h: 2 })] });
+const tables = (compared) => rankedTogether(compared).map((group) => [group.caption, ...ranked(compared, group.designs, group.objective).map((one) => one.key)]);
+assert.deepEqual(tables(apart), [['a, c', 'c 2', 'a 1'], ['b', 'b 3', 'b 5']]);
+const together = new Facts({ ...apart.data, runs: runs.map((run) => ({ ...run, group: 0 })) });
+assert.deepEqual(tables(together).map(([caption, ...keys]) => [caption, keys.length]), [['', 4]]);
 
 // The filter works in the units that the table shows.
 const rows = [{ h: 0.801, cnr: 4, state: 'feasible', radius: 80 }, { h: 0.7, cnr: null, state: 'infeasible', radius: 120 }, { h: 0.95, cnr: 2, state: 'failed', radius: 100 }];

@@ -56,8 +56,9 @@ TEST_F(PrototypesOfARun, AreNotAskedForWhenAllPicturesAreThere) {
 
 TEST_F(PrototypesOfARun, AreNotReadFromWherePicturesAreWritten) {
   AcquireOptions options = {.source = scene("wide"), .cell = folder_ / "out/cell.toml"};
-  write_file(options.cell, kLonelyCell);
   options.out = folder_ / "out";
+  make_folder(options.out);
+  write_file(options.cell, kLonelyCell);
   mark_result_folder(options.out, ResultKind::kAcquire);
   EXPECT_THAT(
       [&] { describe_acquisition(options); },

@@ -60,12 +60,12 @@ void check_render_folder(const Study& study, const fs::path& out) {
     names.push_back(fmt::format("view_{:02}", view));
   }
   check_result_folder(out, ResultKind::kRender, names);
+  check_inputs_kept(input_files(study), out, names);
   const std::string other = rendered_study(out);
   if (!other.empty() && other != study.name) {
     throw ConfigError(fmt::format(
         "{}: holds the rendering of {}; choose another output folder", out.string(), other));
   }
-  check_inputs_kept(input_files(study), out, names);
 }
 
 void remove_other_views(const fs::path& out, const std::vector<std::string>& kept) {

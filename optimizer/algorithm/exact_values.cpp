@@ -36,12 +36,22 @@ ExactValues::ExactValues(Goal goal, ExactScores scores)
   }
 }
 
+/// Empty where the design cannot be built or lacks one of them.
+Scores ExactValues::scores_at(const Point& point) const {
+  try {
+    Scores scores = scores_.at(point);
+    const bool has_all =
+        std::ranges::all_of(names_, [&](const std::string& name) { return scores.contains(name); });
+    return has_all ? scores : Scores{};
+  } catch (const Error&) {
+    return {};
+  }
+}
+
 std::vector<double> ExactValues::at(const Point& point) const {
   std::vector<double> values(is_exact_.size(), std::nan(""));
-  Scores scores;
-  try {
-    scores = scores_.at(point);
-  } catch (const Error&) {
+  const Scores scores = scores_at(point);
+  if (scores.empty()) {
     return values;  // its evaluation will fail and say why
   }
   std::size_t next = 0;

@@ -38,12 +38,14 @@ class ExactValues {
   bool is_exact(std::size_t value) const { return value < is_exact_.size() && is_exact_[value]; }
 
   /// Numbers in the same order, NaN for those that are not exact and where the design cannot be
-  /// built.
+  /// built or has not all of the exact scores.
   std::vector<double> at(const Point& point) const;
 
   int max_candidates() const { return scores_.max_candidates; }
 
  private:
+  Scores scores_at(const Point& point) const;
+
   Goal goal_;
   ExactScores scores_;
   std::vector<std::string> names_;  ///< of scores_ and of the goal

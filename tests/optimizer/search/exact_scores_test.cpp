@@ -217,5 +217,22 @@ TEST(ExactValues, AreObjectivesAndLimitsAsAlgorithmsAreToldThem) {
   EXPECT_TRUE(ExactValues(goal, {.names = {"leds"}}).empty());
 }
 
+/// Where no light shines there is no size: nothing is known of a design that will fail.
+TEST(ExactValues, AreNotKnownOfADesignThatHasNotAllOfThem) {
+  const Goal goal = {.objective = {.name = "width", .is_maximised = false},
+                     .constraints = {{.name = "frames", .max = 8.0}}};
+  const ExactValues values(goal, {.names = {"width", "frames"}, .at = [](const Point& p) {
+                                    Scores scores = {{"frames", 4.0}};
+                                    if (p[0] > 0.0) {
+                                      scores["width"] = p[0];
+                                    }
+                                    return scores;
+                                  }});
+  EXPECT_DOUBLE_EQ(values.at({0.5})[0], 0.5);
+  for (const double value : values.at({0.0})) {
+    EXPECT_TRUE(std::isnan(value));
+  }
+}
+
 }  // namespace
 }  // namespace glint

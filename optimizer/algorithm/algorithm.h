@@ -59,7 +59,8 @@ namespace glint {
 ///    what it promises, and logs the parameters of its models.
 /// 3: gp knows scores that follow from a design alone, and takes derivatives.
 /// 4: gp models the signed logarithm of limits.
-inline constexpr int kSearchRules = 4;
+/// 5: gp knows the standard errors of limits; a start point that is given twice is asked once.
+inline constexpr int kSearchRules = 5;
 
 /// Repeated points in a row after which a space counts as fully sampled.
 inline constexpr int kMaxRepeats = 5000;

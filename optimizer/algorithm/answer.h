@@ -24,7 +24,7 @@ struct Answer {
   std::vector<ValueWithGradient> limits;
   std::vector<double> objectives;    ///< one per objective, without penalties; empty: objective
   std::vector<double> errors;        ///< standard errors of the objectives; empty: not known
-  std::vector<double> limit_errors;  ///< standard errors of the limits; empty: not known
+  std::vector<double> limit_errors;  ///< of the limits, NaN where not known; empty: none is
 };
 
 }  // namespace glint

@@ -184,7 +184,7 @@ void GaussianSearch::add_limit(const Answer& answer, std::size_t i, ToldDesign& 
   const ValueWithGradient& limit = answer.limits[i];
   const bool has_log = plan_.rules > 3;
   const double slope = has_log ? log_limit_slope(limit.value) : 1.0;
-  const bool is_known = i < answer.limit_errors.size();
+  const bool is_known = plan_.rules > 4 && i < answer.limit_errors.size();
   told.values.push_back(has_log ? log_limit(limit.value) : limit.value);
   told.errors.push_back(is_known ? slope * answer.limit_errors[i] : std::nan(""));
   if (plan_.takes_slopes) {

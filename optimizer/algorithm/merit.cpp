@@ -102,17 +102,26 @@ std::vector<std::string> missing_derivatives(const SearchSpace& space,
   return names;
 }
 
+/// NaN where it is not known.
+double standard_error(const Scores& scores, const std::string& name) {
+  const auto error = scores.find(name + ".error");
+  const bool is_known = error != scores.end() && std::isfinite(error->second);
+  return is_known ? std::abs(error->second) : std::numeric_limits<double>::quiet_NaN();
+}
+
+void clear_if_unknown(std::vector<double>& errors) {
+  if (std::ranges::all_of(errors, [](double error) { return std::isnan(error); })) {
+    errors.clear();
+  }
+}
+
 /// Of all objectives, NaN where it is not known; empty where none is.
 std::vector<double> standard_errors(const Goal& goal, const Scores& scores) {
   std::vector<double> errors;
   for (const Objective& objective : objectives_of(goal)) {
-    const auto error = scores.find(objective.name + ".error");
-    const bool is_known = error != scores.end() && std::isfinite(error->second);
-    errors.push_back(is_known ? std::abs(error->second) : std::numeric_limits<double>::quiet_NaN());
+    errors.push_back(standard_error(scores, objective.name));
   }
-  if (std::ranges::all_of(errors, [](double error) { return std::isnan(error); })) {
-    errors.clear();
-  }
+  clear_if_unknown(errors);
   return errors;
 }
 
@@ -326,6 +335,7 @@ Answer MeritFunction::next(const Point& point, const Outcome& outcome) {
 void MeritFunction::add_limits(const Point& point, const Outcome& outcome, Answer& answer) const {
   for (const Constraint& constraint : goal_.constraints) {
     const double score = outcome.scores.at(constraint.name);
+    const double error = standard_error(outcome.scores, constraint.name);
     const std::vector<double> values = limit_values(constraint, score);
     std::size_t next = 0;
     for (const Limit& limit : limits_of(constraint)) {
@@ -338,8 +348,10 @@ void MeritFunction::add_limits(const Point& point, const Outcome& outcome, Answe
         told.value = std::min(told.value, 0.0);
       }
       answer.limits.push_back(std::move(told));
+      answer.limit_errors.push_back(error / unit_of(limit.border));
     }
   }
+  clear_if_unknown(answer.limit_errors);
 }
 
 void MeritFunction::widen_spread(const std::vector<double>& objectives) {

@@ -105,7 +105,8 @@ class MeritFunction {
       SearchSpace space, Goal goal, FailurePolicy policy, int num_scale, bool holds_unknown = true);
 
   /// What to tell of the next outcome in the order of telling. Its limits are, for each constraint,
-  /// first of min, then of max: (excess beyond the limit) / |limit| + kLimitMargin.
+  /// first of min, then of max: (excess beyond the limit) / |limit| + kLimitMargin, with the
+  /// score's own standard error in the same unit.
   Answer next(const Point& point, const Outcome& outcome);
 
   double penalty_scale() const;

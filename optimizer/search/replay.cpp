@@ -148,6 +148,22 @@ std::vector<Point> archived_points(const Storage& storage) {
   return points;
 }
 
+/// What the algorithm is asked to begin with. By rules 4 and before a start point that is given
+/// twice is asked and told twice.
+std::vector<Point> first_points(const SearchTask& task, const std::vector<Point>& archived) {
+  if (!archived.empty() || task.settings.rules < 5) {
+    return archived.empty() ? task.start_points : archived;
+  }
+  std::vector<Point> points;
+  for (const Point& start : task.start_points) {
+    const Point point = canonical(task.space, start);
+    if (std::ranges::find(points, point) == points.end()) {
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
 /// Whether a told outcome that did not fail counts as progress. See Budget::stall.
 bool is_sure_gain(const Goal& goal, const Scores& scores, SearchMemory& memory) {
   const auto beats = [&](int number) {
@@ -202,6 +218,7 @@ Event SearchMemory::tell_next(const Goal& goal) {
   const Outcome& outcome = *told.outcome;
   const Answer answer = merit.next(told.point, outcome);
   algorithm->tell(told.point, answer);
+  tells.push_back(number);
   Event event{.kind = EventKind::kTell, .trial = number, .value = answer.merit};
   if (has_several_objectives(goal) && !outcome.is_failed) {
     event.objectives = answer.objectives;
@@ -239,14 +256,13 @@ std::span<const Event> last_epoch(std::span<const Event> events) {
 SearchMemory make_memory(const SearchTask& task, const Storage& storage) {
   check(task.goal);
   const std::vector<Point> archived = archived_points(storage);
-  std::unique_ptr<Algorithm> algorithm =
-      make_algorithm(task.space,
-                     task.settings,
-                     archived.empty() ? task.start_points : archived,
-                     num_limits(task.goal),
-                     num_objectives(task.goal),
-                     given_reference(task.goal),
-                     ExactValues(task.goal, task.exact));
+  std::unique_ptr<Algorithm> algorithm = make_algorithm(task.space,
+                                                        task.settings,
+                                                        first_points(task, archived),
+                                                        num_limits(task.goal),
+                                                        num_objectives(task.goal),
+                                                        given_reference(task.goal),
+                                                        ExactValues(task.goal, task.exact));
   const int num_design = design_size(task.space, task.settings);
   return {
       .algorithm = std::move(algorithm),

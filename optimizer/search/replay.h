@@ -21,6 +21,7 @@ struct SearchMemory {
   std::map<Point, int> number_of;  ///< of every point asked
   std::deque<int> in_flight;       ///< trial numbers asked and not told, in order
   int num_known = 0;               ///< trials that an ask has named
+  std::vector<int> tells;          ///< trial numbers in the order of telling
   int num_told = 0;                ///< distinct trials told; they are the first ones
   int num_failed = 0;              ///< of those told
   int num_reused = 0;              ///< asks for a known trial

@@ -360,7 +360,8 @@ class Search {
       take_compromise(result);
     } else if (task_.settings.is_noisy && task_.settings.rules > 1) {
       const std::vector<std::vector<double>> expected = memory_.algorithm->expected_objectives();
-      const std::optional<int> best = expected_best(task_.goal, memory_.trials, expected);
+      const std::optional<int> best =
+          expected_best(task_.goal, memory_.trials, memory_.tells, expected);
       result.best = best ? trial(*best) : result.best;
     }
     result.is_feasible = result.best && is_feasible(task_.goal, result.best->outcome->scores);

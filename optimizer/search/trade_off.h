@@ -43,9 +43,11 @@ TradeOff trade_off(const Goal& goal,
 
 /// The feasible trial whose one objective is expected to be the best, where a model smooths what
 /// evaluations with noise have shown; of equal ones the first. Empty: there is none.
-/// @param expected  of the first trials, in their order: Algorithm::expected_objectives()
+/// @param told      numbers of trials in the order of telling; one may be told again
+/// @param expected  a row for each of them: Algorithm::expected_objectives(); empty: no model
 std::optional<int> expected_best(const Goal& goal,
                                  std::span<const Trial> trials,
+                                 std::span<const int> told,
                                  std::span<const std::vector<double>> expected);
 
 /// Hypervolume after each evaluated trial, in their order.

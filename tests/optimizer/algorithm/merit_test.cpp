@@ -188,6 +188,24 @@ TEST(MeritFunction, TellsLimitsApartFromTheObjective) {
   EXPECT_DOUBLE_EQ(answer.limits[1].gradient[0], 0.8);              // 2 * 2 / 5
   EXPECT_DOUBLE_EQ(answer.limits[2].value, -0.25 + margin);
   EXPECT_EQ(answer.limits[2].gradient, std::vector<double>{0.0});  // not known, and it holds
+  EXPECT_TRUE(answer.limit_errors.empty());
+}
+
+TEST(MeritFunction, TellsTheErrorsOfLimitsInTheUnitOfTheLimits) {
+  const Goal goal = {
+      .objective = {.name = "h"},
+      .constraints = {{.name = "cnr", .min = 3.0, .max = 5.0}, {.name = "clipped", .max = 0.0}}};
+  MeritFunction merit(test::box(1, 0, 2), goal, FailurePolicy::kWorst, 2);
+  Outcome outcome = scored(0.5, 6.0, -0.25);
+  outcome.scores["cnr.error"] = 0.3;
+  const Answer answer = merit.next({1.0}, outcome);
+  ASSERT_EQ(answer.limit_errors.size(), 3U);
+  EXPECT_DOUBLE_EQ(answer.limit_errors[0], 0.1);   // of 3
+  EXPECT_DOUBLE_EQ(answer.limit_errors[1], 0.06);  // of 5
+  EXPECT_TRUE(std::isnan(answer.limit_errors[2]));
+  EXPECT_TRUE(answer.errors.empty());
+  outcome.scores["clipped.error"] = 0.02;
+  EXPECT_DOUBLE_EQ(merit.next({1.0}, outcome).limit_errors[2], 0.02);  // limit 0: as it is
 }
 
 TEST(ProblemWith, NamesWhatCannotBeJudged) {

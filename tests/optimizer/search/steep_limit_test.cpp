@@ -79,6 +79,51 @@ TEST(SteepLimit, ARunByRules3GoesOnByThem) {
   EXPECT_NE(events_and_points(fresh), events_and_points(whole));
 }
 
+/// The same with a limit that is known to a tenth of it.
+Outcome steep_with_error(const Point& x, int trial) {
+  Outcome outcome = steep(x, trial);
+  outcome.scores["clipped.error"] = 0.001;
+  return outcome;
+}
+
+/// Rules 5 differ from rules 4 by the errors of limits alone; a run by rules 4 goes on without.
+TEST(SteepLimit, ErrorsOfLimitsAreKnownFromRules5On) {
+  const auto asked = [](int rules, const Evaluate& evaluate) {
+    const TemporaryFolder folder;
+    search_into(folder, steep_task(1, 20, rules), evaluate);
+    std::vector<Point> points;
+    for (const Trial& trial : Storage::read(folder / "s.sqlite").trials(TrialKind::kSearch)) {
+      points.push_back(trial.point);
+    }
+    return points;
+  };
+  EXPECT_EQ(asked(4, steep), asked(5, steep));
+  EXPECT_EQ(asked(4, steep), asked(4, steep_with_error));
+  EXPECT_NE(asked(5, steep), asked(5, steep_with_error));
+  const TemporaryFolder begun;
+  search_into(begun, steep_task(1, 14, 4), steep_with_error);
+  search_into(begun, steep_task(1, 20, kSearchRules), steep_with_error);
+  std::vector<Point> points;
+  for (const Trial& trial : Storage::read(begun / "s.sqlite").trials(TrialKind::kSearch)) {
+    points.push_back(trial.point);
+  }
+  EXPECT_EQ(points, asked(4, steep_with_error));
+}
+
+TEST(SteepLimit, ASearchThatKnowsTheErrorIsResumedBitForBit) {
+  const TemporaryFolder whole;
+  search_into(whole, steep_task(2, 24, kSearchRules), steep_with_error);
+  for (const bool verify : {false, true}) {
+    const TemporaryFolder cut;
+    for (const int evaluations : {9, 15, 24}) {
+      SearchTask task = steep_task(2, evaluations, kSearchRules);
+      task.verify_replay = verify;
+      search_into(cut, task, steep_with_error);
+    }
+    EXPECT_EQ(events_and_points(cut), events_and_points(whole)) << verify;
+  }
+}
+
 TEST(LogLimit, KeepsSignAndSlopeAtTheBorder) {
   EXPECT_EQ(log_limit(0.0), 0.0);
   EXPECT_DOUBLE_EQ(log_limit(std::exp(3.0) - 1.0), 3.0);

@@ -396,6 +396,34 @@ TEST(SearchRules, UnderNoiseTheBestIsTheExpectedBest) {
   EXPECT_LT(truth(result.best->point), 0.01);  // a tenth of the noise
 }
 
+/// By rules 4 the first trial is told twice; by later ones it is asked once. The second one is far
+/// better than the others, and all that models ask for fail.
+TEST(SearchRules, UnderNoiseTheExpectedBestIsThatTrialAlsoWhereAStartPointIsGivenTwice) {
+  SearchTask task = {.space = box(2, 0, 1),
+                     .settings = {.is_noisy = true},
+                     .goal = {.objective = {.name = "f", .is_maximised = false}, .constraints = {}},
+                     .budget = {.evaluations = 12}};
+  task.start_points = {{0.5, 0.5}, {0.5, 0.5}, {0.25, 0.75}, {0.9, 0.1}};
+  const Evaluate evaluate = [](const Point& p, int trial) {
+    if (trial > 7) {
+      throw Error("not to be had");
+    }
+    const double f = std::pow(p[0] - 0.25, 2) + std::pow(p[1] - 0.75, 2);
+    return Outcome{.scores = {{"f", 10.0 * f + 0.01 * test::noise(trial)}}};
+  };
+  for (const int rules : {4, kSearchRules}) {
+    task.settings.rules = rules;
+    const TemporaryFolder folder;
+    const SearchResult result = search_into(folder, task, evaluate);
+    EXPECT_EQ(result.best->number, 2) << rules;
+    EXPECT_EQ(result.reused, rules > 4 ? 0 : 1) << rules;
+    SearchTask longer = task;
+    longer.settings.rules = kSearchRules;  // a run that has begun goes on by the rules in its log
+    longer.budget.evaluations = 16;
+    EXPECT_EQ(search_into(folder, longer, evaluate).evaluations, 16) << rules;
+  }
+}
+
 TEST(TradeOff, AnotherReferenceThanTheRecordedOneIsRefused) {
   const TemporaryFolder folder;
   SearchTask task = two_objectives(2, 20);

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What searches must reach on the test tasks, and whether the results at hand show it.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/optimizer/quality/judge.h"
+
+namespace glint::quality {
+
+/// Seeds of a part below which its mean shows nothing.
+inline constexpr int kSeedsOfOne = 30;
+inline constexpr int kSeedsOfSeveral = 20;
+
+using Row = std::map<int, Result>;           ///< by seed
+using Results = std::map<std::string, Row>;  ///< by part: TASK/NOISE/METHOD
+
+std::vector<std::string> noises_of_one();
+std::vector<std::string> noises_of_several();
+std::vector<std::string> peers_of_one();
+
+double mean_of(const Row& row, double Result::*score);
+
+struct Bar {
+  std::string what;
+  std::optional<double> value;  ///< empty: not shown
+  double bound = 0.0;
+  bool is_least = false;  ///< the value must not be below the bound, else not above it
+};
+
+bool is_met(const Bar& bar);
+
+std::vector<Bar> bars_of(const Results& results);
+
+}  // namespace glint::quality

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/optimizer/quality/bars.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace glint::quality {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// All methods on all tasks of one objective at one noise: `own` by Glint, 50 by random, else 40.
+Results results_of(const std::string& noise, double own, int num_seeds) {
+  std::vector<std::string> methods = peers_of_one();
+  methods.insert(methods.end(), {"glint:auto", "glint:random"});
+  Results results;
+  for (const std::string_view task : tasks_of_one_objective()) {
+    for (const std::string& method : methods) {
+      const double gap = method == "glint:auto" ? own : method == "glint:random" ? 50.0 : 40.0;
+      for (int seed = 1; seed <= num_seeds; ++seed) {
+        results[fmt::format("{}/{}/{}", task, noise, method)][seed] = {.after_100 = gap,
+                                                                       .after_300 = gap};
+      }
+    }
+  }
+  return results;
+}
+
+Bar bar_of(const Results& results, const std::string& begin) {
+  const std::vector<Bar> bars = bars_of(results);
+  const auto found =
+      std::ranges::find_if(bars, [&](const Bar& bar) { return bar.what.starts_with(begin); });
+  EXPECT_NE(found, bars.end()) << begin;
+  return *found;
+}
+
+TEST(Bars, AreNotShownBelowThirtySeeds) {
+  const std::string what = "gap over best peer's, noise 0.05, after 100";
+  const Bar shown = bar_of(results_of("0.05", 20.0, 30), what);
+  EXPECT_DOUBLE_EQ(shown.value.value(), 0.5);
+  EXPECT_TRUE(is_met(shown));
+  const Bar of_one = bar_of(results_of("0.05", 20.0, 1), what);
+  EXPECT_FALSE(of_one.value);
+  EXPECT_FALSE(is_met(of_one));
+  EXPECT_THAT(of_one.what, HasSubstr("has 1 of 30 seeds"));
+  Results few = results_of("0.05", 20.0, 30);
+  few.begin()->second.erase(17);
+  EXPECT_FALSE(bar_of(few, what).value) << "one part lacks a seed";
+}
+
+TEST(Bars, OfSeveralObjectivesNeedTwentySeeds) {
+  Results results;
+  for (const std::string_view task : tasks_of_several_objectives()) {
+    for (int seed = 1; seed <= kSeedsOfSeveral; ++seed) {
+      results[fmt::format("{}/0.2/glint:auto", task)][seed] = {.after_100 = 90.0,
+                                                               .after_300 = 91.0};
+    }
+  }
+  EXPECT_TRUE(is_met(bar_of(results, "hypervolume, noise 0.2, after 100")));
+  const Bar missed = bar_of(results, "hypervolume, noise 0.2, after 300");
+  EXPECT_TRUE(missed.value && !is_met(missed));
+  results.begin()->second.erase(1);
+  EXPECT_FALSE(bar_of(results, "hypervolume, noise 0.2, after 100").value);
+}
+
+TEST(Bars, OneTaskWorseThanRandomIsMissed) {
+  const std::string what = "gap over random's on the worst task, noise 0.2, after 100";
+  EXPECT_TRUE(is_met(bar_of(results_of("0.2", 50.0, 30), what)));
+  Results results = results_of("0.2", 20.0, 30);
+  for (auto& [seed, result] : results.at("rosen6/0.2/glint:auto")) {
+    result.after_100 = 51.0;
+  }
+  const Bar missed = bar_of(results, what);
+  EXPECT_DOUBLE_EQ(missed.value.value(), 1.02);
+  EXPECT_FALSE(is_met(missed));
+  EXPECT_THAT(missed.what, HasSubstr("(rosen6)"));
+}
+
+}  // namespace
+}  // namespace glint::quality

@@ -29,7 +29,7 @@ SearchTask killable_task(const std::string& algorithm) {
                               .constraints = {{.name = "length", .max = 0.8}}},
                      .budget = {.evaluations = 250},
                      .jobs = 2};
-  if (algorithm == "sobol") {
+  if (algorithm == "sobol" || needs_several_objectives(algorithm)) {
     task.goal.more_objectives = {{.name = "length", .is_maximised = true}};
   }
   return task;
@@ -200,8 +200,9 @@ TEST(RunSearch, SurvivesKillsAtRandomMoments) {
   GTEST_SKIP() << "the thread sanitizer cannot follow threads begun after fork()";
 #endif
   expect_survival("auto", 50);
+  // sobol and nsga2: two objectives
   for (const char* algorithm :
-       {"slsqp", "mma", "lbfgs", "sobol", kInEpochs}) {  // sobol: two objectives
+       {"slsqp", "mma", "lbfgs", "sobol", "gp", "cmaes", "nsga2", kInEpochs}) {
     expect_survival(algorithm, 15);
   }
 }

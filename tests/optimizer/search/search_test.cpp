@@ -41,6 +41,7 @@ double bowl(const Point& p) {
 
 Outcome noisy_bowl(const Point& p, int trial) {
   Outcome outcome = loss(bowl(p) + test::noise(trial));
+  outcome.scores["length"] = p[0];
   for (const double x : p) {
     outcome.gradients["loss"].push_back(2.0 * (x - 0.3));
   }
@@ -285,9 +286,25 @@ TEST(RunSearch, RunsAsManyEvaluationsAtOnceAsItHasJobs) {
 }
 
 TEST(RunSearch, ALargerBudgetLaterIsTheSameAsOneAtOnce) {
-  for (const char* algorithm :
-       {"auto", "crs2", "direct_l", "mlsl", "isres", "sbplx", "slsqp", "mma", "lbfgs"}) {
+  for (const char* algorithm : {"auto",
+                                "crs2",
+                                "direct_l",
+                                "mlsl",
+                                "isres",
+                                "sbplx",
+                                "slsqp",
+                                "mma",
+                                "lbfgs",
+                                "gp",
+                                "cmaes",
+                                "nsga2",
+                                "nspso",
+                                "cobyla",
+                                "random"}) {
     SearchTask task = simple_task(4, 101);
+    if (needs_several_objectives(algorithm)) {
+      task.goal.more_objectives = {{.name = "length", .is_maximised = true}};
+    }
     task.settings.algorithm = algorithm;
     task.settings.batch = 4;
     const TemporaryFolder at_once;

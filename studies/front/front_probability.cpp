@@ -169,7 +169,7 @@ std::vector<double> probabilities_of_choice(const Goal& goal,
                                             const Json& front,
                                             const std::vector<Finalist>& finalists) {
   const std::vector<Candidate> candidates = candidates_of(goal, finalists);
-  if (finalists.size() < 2 || candidates.empty()) {
+  if (finalists.size() < 2 || candidates.empty() || front["designs"].empty()) {
     return {};
   }
   const Sampler sampler(goal, front, candidates);

@@ -115,6 +115,17 @@ TEST(ProbabilityOfChoice, WhatMissesALimitIsNotTakenUnlessAllDo) {
   EXPECT_TRUE(of({seeing}).empty()) << "one alone";
 }
 
+// No design of the search keeps the limits: two prototypes are all that there is.
+TEST(ProbabilityOfChoice, WithoutAFrontThereIsNone) {
+  const std::vector<Finalist> prototypes = {finalist("a", 7.0, 60.0, 0.8),
+                                            finalist("b", 5.0, 30.0, 0.6)};
+  Json front = {{"designs", Json::array()}};
+  EXPECT_TRUE(probabilities_of_choice(weighted_goal(), front, prototypes).empty());
+  Json result = Json::object();
+  add_probability_best(weighted_goal(), prototypes, front, result);
+  EXPECT_FALSE(result.contains("probability_best"));
+}
+
 TEST(ProbabilityOfChoice, StandsInResultAndFront) {
   Json front = front_of_two();
   Json result = Json::object();

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <exception>
 #include <mutex>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "core/wall_clock.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/algorithm/sobol.h"
+#include "studies/imaging/searched/searched_scene.h"
 
 namespace glint {
 namespace {
@@ -35,6 +38,22 @@ void move_key(const Study& study, const std::string& key, double offset, Overrid
   found->second = ConfigNode::from_number(found->second.number + offset);
 }
 
+/// Opens the record; built designs that were rendered otherwise are withdrawn.
+Storage open_record(const std::filesystem::path& run,
+                    const StudyIdentity& identity,
+                    const std::optional<RenderRung>& rung) {
+  Storage storage = Storage::open(run / kBuiltTrials, identity);
+  std::string recorded;
+  for (const Event& event : storage.events()) {
+    recorded = event.kind == EventKind::kEpoch ? event.text : recorded;
+  }
+  const std::string wanted = rung ? rung->name : "";
+  if (wanted != recorded) {
+    storage.begin_epoch({.kind = EventKind::kEpoch, .text = wanted});
+  }
+  return storage;
+}
+
 Point joined(const Point& design, const std::vector<double>& added) {
   Point point = design;
   point.insert(point.end(), added.begin(), added.end());
@@ -47,14 +66,16 @@ BuiltDesigns::BuiltDesigns(SceneStore& store,
                            const Study& study,
                            const StudyIdentity& identity,
                            const std::filesystem::path& run,
+                           std::optional<RenderRung> rung,
                            int jobs,
                            const std::atomic<int>* interrupt)
     : store_(store),
       study_(study),
+      rung_(std::move(rung)),
       jobs_(jobs),
       interrupt_(interrupt),
       tolerances_(tolerances_of(study)),
-      storage_(Storage::open(run / kBuiltTrials, identity)) {
+      storage_(open_record(run, identity, rung_)) {
   for (Trial& trial : storage_.trials(TrialKind::kSearch)) {
     known_[trial.point] = std::move(trial);
   }
@@ -175,8 +196,11 @@ Outcome BuiltDesigns::outcome_of(const Point& point) const {
         move_key(study_, tolerances_[i].key, offset, overrides);
       }
     }
-    outcome.scores =
-        evaluate(store_, scene_with(study_, overrides), {}, wanted_by(study_.goal)).scores;
+    SceneSettings scene = scene_with(study_, overrides);
+    if (rung_) {
+      scene = searched_scene(store_, scene, *rung_);
+    }
+    outcome.scores = evaluate(store_, scene, {}, wanted_by(study_.goal)).scores;
   } catch (const IoError&) {
     throw;  // says nothing about the design
   } catch (const Error& error) {

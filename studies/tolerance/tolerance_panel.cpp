@@ -29,6 +29,18 @@ std::string interval_text(const Json& interval) {
                      number_text(interval["high"]));
 }
 
+/// Of built designs. @param whose  "" or " of ..."
+std::string failed_text(const Json& spread, const char* whose) {
+  const int failed = spread["failed"].get<int>();
+  return failed == 0 ? ""
+                     : fmt::format(
+                           " {}{} could not be made or evaluated, and count{} as outside "
+                           "every limit.",
+                           failed,
+                           whose,
+                           failed == 1 ? "s" : "");
+}
+
 std::string lead_text(const Json& spread) {
   std::vector<std::string> keys;
   for (const auto& [key, plus_minus] : spread["plus_minus"].items()) {
@@ -43,10 +55,7 @@ std::string lead_text(const Json& spread) {
     lead += fmt::format(" {:.0f} % of them meet every limit.",
                         100.0 * spread["feasible_share"].get<double>());
   }
-  if (const int failed = spread["failed"].get<int>(); failed > 0) {
-    lead += fmt::format(" {} could not be evaluated.", failed);
-  }
-  return lead;
+  return lead + failed_text(spread, "");
 }
 
 /// What 95 % of the built designs reach, of the winner and of the robust optimum.
@@ -118,6 +127,7 @@ Json tolerance_panel(const Json& spread, const Json& variables) {
     lead += robust_text(robust);
   }
   if (is_other) {
+    lead += failed_text(robust, " of those of the robust optimum");
     tables.push_back(score_table("The robust optimum", "exactly built", robust["scores"]));
     tables.push_back(variable_table(variables, robust["variables"]));
   }

@@ -61,11 +61,12 @@ std::vector<Scores> succeeded(const BuiltScores& built) {
   return found;
 }
 
-void add_feasible_share(const Goal& goal, const std::vector<Scores>& found, Json& json) {
-  if (!goal.constraints.empty() && !found.empty()) {
-    const auto feasible =
-        std::ranges::count_if(found, [&](const Scores& one) { return is_feasible(goal, one); });
-    json["feasible_share"] = static_cast<double>(feasible) / static_cast<double>(found.size());
+/// Of all built ones: one that cannot be evaluated meets no limit.
+void add_feasible_share(const Goal& goal, const BuiltScores& built, Json& json) {
+  if (!goal.constraints.empty() && !built.empty()) {
+    const auto feasible = std::ranges::count_if(
+        built, [&](const std::optional<Scores>& one) { return one && is_feasible(goal, *one); });
+    json["feasible_share"] = static_cast<double>(feasible) / static_cast<double>(built.size());
   }
 }
 
@@ -117,7 +118,7 @@ Json robust_json(const Study& study,
       {"variables", variables(best.point)},
       {"failed", best.built.size() - built.size()},
       {"scores", spreads_of(study.goal, nominal, built)}};
-  add_feasible_share(study.goal, built, json);
+  add_feasible_share(study.goal, best.built, json);
   json["candidates"] = candidates_json(found, is_maximised ? -1.0 : 1.0, variables);
   return json;
 }
@@ -135,7 +136,7 @@ Json winner_json(const Study& study,
   for (const Tolerance& tolerance : tolerances) {
     json["plus_minus"][tolerance.key] = tolerance.plus_minus;
   }
-  add_feasible_share(study.goal, found, json);
+  add_feasible_share(study.goal, built, json);
   return json;
 }
 

@@ -27,7 +27,7 @@ using WriteVariables = std::function<nlohmann::ordered_json(const Point& point)>
 ///         { designs, failed, distribution: "uniform", plus_minus: { key: number },
 ///           scores: { score: { nominal, mean, sd, low, high } } of objectives and limited ones,
 ///           low and high: 5 and 95 % of the designs,
-///           feasible_share: of those that did not fail; absent without limits,
+///           feasible_share: of all, those that failed included; absent without limits,
 ///           robust: { is_winner, share: 0.95 of the built designs, measure: the score, of several
 ///             objectives the rule of the choice; winner, reached, gain: { value, low, high } of
 ///             what that share reaches, a bound null where a limit is the trouble; probability,

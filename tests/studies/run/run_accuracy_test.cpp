@@ -109,6 +109,20 @@ TEST(RunAccuracy, WithoutTheTableNothingIsTried) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out" / kAccuracyTrials));
 }
 
+// The design as it is built exactly is the one of the search, rendered alike.
+TEST(RunAccuracy, BuiltDesignsAreRenderedAsTheSearch) {
+  const TemporaryFolder folder;
+  const std::string built =
+      kTunnelStudy + kAuto + "[manufacture]\n\"lighting.tunnel.duty\" = { plus_minus = 0.01 }\n";
+  const Json result = run_into(folder, built, "out");
+  const auto best = static_cast<std::size_t>(result["best"]["trial"].get<int>() - 1);
+  const std::vector<Trial> trials =
+      Storage::read(folder / "out/study.sqlite").trials(TrialKind::kSearch);
+  const double searched = trials[best].outcome->scores.at("homogeneity.h_rms");
+  EXPECT_NE(searched, result["best"]["scores"]["homogeneity.h_rms"]) << "rendered otherwise";
+  EXPECT_EQ(searched, result["manufacture"]["scores"]["homogeneity.h_rms"]["nominal"]);
+}
+
 TEST(RunAccuracy, ATunnelIsSearchedByTheCheapestRungThatServes) {
   const TemporaryFolder folder;
   const Json accuracy = run_into(folder, kTunnelStudy + kAuto, "out")["accuracy"];

@@ -17,6 +17,7 @@
 #include "studies/definition/study_text.h"
 #include "studies/run/check_study.h"
 #include "studies/run/run.h"
+#include "studies/tolerance/tolerance_panel.h"
 #include "tests/studies/imaging/path_support.h"
 #include "tests/support/temporary_folder.h"
 
@@ -89,6 +90,24 @@ TEST(ToleranceSpread, IsThatOfAUniformKey) {
   EXPECT_NEAR(mean["low"].get<double>() / nominal, 1.0 - 0.9 * 0.2, 0.02);
   EXPECT_NEAR(mean["high"].get<double>() / nominal, 1.0 + 0.9 * 0.2, 0.02);
   EXPECT_EQ(spread, *tolerance_spread(built, study, {}, {40.0, 0.15}, variables_of));
+}
+
+// An inner radius of 15 +- 12 mm is no ring from the outer radius of 25 mm on: one of 12.
+TEST(ToleranceSpread, WhatCannotBeMadeMissesTheLimits) {
+  const TemporaryFolder folder;
+  const Study study =
+      study_of(folder, "[manufacture]\n\"lighting.ring.inner_radius_mm\" = { plus_minus = 12 }\n");
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  BuiltDesigns built(store, study, identity_of(study), folder.path());
+  const Json spread = *tolerance_spread(built, study, {}, {40.0, 0.15}, variables_of);
+  const int failed = spread["failed"].get<int>();
+  EXPECT_NEAR(failed, 64.0 / 12.0, 1.0);
+  EXPECT_DOUBLE_EQ(spread["feasible_share"].get<double>(), (64.0 - failed) / 64.0);
+  EXPECT_DOUBLE_EQ(spread["robust"]["feasible_share"].get<double>(), (64.0 - failed) / 64.0);
+  const std::string lead = tolerance_panel(spread, Json::object())["lead"];
+  EXPECT_THAT(lead, HasSubstr("92 % of them meet every limit"));
+  EXPECT_THAT(lead, HasSubstr(" 5 could not be made or evaluated, and count as outside"));
 }
 
 TEST(ToleranceSpread, StandsInResultAndReport) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "optimizer/algorithm/merit.h"
@@ -109,11 +110,16 @@ std::optional<Point> best_point(const SearchSpace& space,
                                 const std::string& branch) {
   std::vector<Trial> candidates;
   std::optional<std::size_t> best;
-  for (const Trial& trial : trials) {
+  std::vector<Point> points;
+  std::ranges::transform(trials, std::back_inserter(points), [&](const Trial& trial) {
+    return canonical(space, trial.point);
+  });
+  const std::vector<std::string> names = branch_names(space, points);
+  for (std::size_t k = 0; k < trials.size(); ++k) {
+    const Trial& trial = trials[k];
     if (!trial.outcome || trial.outcome->is_failed ||
         !problem_with(goal, trial.outcome->scores).empty() ||
-        !is_feasible(goal, trial.outcome->scores) ||
-        branch_name(space, canonical(space, trial.point)) != branch) {
+        !is_feasible(goal, trial.outcome->scores) || names[k] != branch) {
       continue;
     }
     candidates.push_back(trial);
@@ -149,6 +155,7 @@ struct Question {
   const Goal& goal;
   std::span<const Trial> trials;
   const Data& data;
+  std::vector<std::string> branches;  ///< of each of the data's points
   const GaussianProcess& model;
   std::vector<Posterior> without_itself;
 };
@@ -157,7 +164,7 @@ BranchAnalysis analyse_branch(const Question& question, const Branch& branch) {
   std::vector<std::size_t> members;
   std::vector<std::vector<double>> units;
   for (std::size_t k = 0; k < question.data.points.size(); ++k) {
-    if (branch_name(question.space, question.data.points[k]) == branch.name) {
+    if (question.branches[k] == branch.name) {
       members.push_back(k);
       units.push_back(branch.unit_of(question.space, question.data.points[k]));
     }
@@ -187,10 +194,14 @@ BranchAnalysis analyse_branch(const Question& question, const Branch& branch) {
 /// The whole space with all that varies as one box; decisive values are coordinates of it.
 std::vector<Importance> importance_of_choices(const GaussianProcess& model,
                                               const SearchSpace& space) {
-  Branch all = {.name = "", .unit = std::vector<double>(space.variables.size(), 0.5), .free = {}};
+  Branch all = {.name = "",
+                .unit = std::vector<double>(space.variables.size(), 0.5),
+                .free = {},
+                .values = {}};
   for (std::size_t i = 0; i < space.variables.size(); ++i) {
     if (num_values(space.variables[i]) > 1.0) {
       all.free.push_back(i);
+      all.values.emplace_back();
     }
   }
   std::vector<Importance> importance = importance_of(model, space, all);
@@ -218,6 +229,7 @@ ScoreAnalysis analyse_score(const SearchSpace& space,
                        .goal = goal,
                        .trials = trials,
                        .data = data,
+                       .branches = branch_names(space, data.points),
                        .model = model,
                        .without_itself = {}};
   if (!data.points.empty()) {
@@ -226,7 +238,7 @@ ScoreAnalysis analyse_score(const SearchSpace& space,
     analysis.noise = model.noise();
     question.without_itself = model.leave_one_out();
   }
-  const std::vector<Branch> branches = branches_of(space);
+  const std::vector<Branch> branches = branches_of(space, data.points);
   int wanted = 0;
   for (const Branch& branch : branches) {
     analysis.branches.push_back(analyse_branch(question, branch));

@@ -172,5 +172,83 @@ TEST(Branches, HoldTheVariablesThatAreActiveInThem) {
   EXPECT_EQ(branches_of(box(2))[0].name, "");
 }
 
+/// A score of 1 to 10 pictures; with 4 of them a phase counts.
+SearchSpace pictures() {
+  return {{{.name = "count", .kind = Kind::kInteger, .low = 1, .high = 10},
+           {.name = "phase", .when_name = "count", .when_value = "4"},
+           {.name = "height"}}};
+}
+
+TEST(Branches, ValuesWithTheSameActiveVariablesAreOne) {
+  const SearchSpace space = pictures();
+  const auto branches = branches_of(space);
+  ASSERT_EQ(branches.size(), 2U);
+  EXPECT_EQ(branches[0].name, "count other than 4");
+  EXPECT_EQ(branches[0].free, (std::vector<std::size_t>{0, 2}));
+  EXPECT_EQ(branches[0].num_values_of(space, 0), 9.0);
+  EXPECT_EQ(branches[1].name, "count = 4");
+  EXPECT_EQ(branches[1].free, (std::vector<std::size_t>{1, 2}));
+  std::vector<double> counts;
+  for (int k = 0; k < 9; ++k) {
+    const std::vector<double> unit = {(k + 0.5) / 9.0, 0.25};
+    const Point point = branches[0].point_at(space, unit);
+    counts.push_back(point[0]);
+    EXPECT_EQ(branches[0].unit_of(space, point), unit);
+  }
+  EXPECT_EQ(counts, (std::vector<double>{1, 2, 3, 5, 6, 7, 8, 9, 10}));
+  EXPECT_EQ(branch_names(space, std::vector<Point>{{4, 0.2, 0.5}, {7, 0.5, 0.5}}),
+            (std::vector<std::string>{"count = 4", "count other than 4"}));
+}
+
+/// A dome has an opening of its own, if it is open, and ring and bar have nothing.
+TEST(Branches, AreSetsOfNestedConditions) {
+  const SearchSpace space = {
+      {{.name = "use", .kind = Kind::kChoice, .choices = {"ring", "dome", "bar"}},
+       {.name = "is_open",
+        .kind = Kind::kChoice,
+        .choices = {"no", "yes"},
+        .when_name = "use",
+        .when_value = "dome"},
+       {.name = "opening", .when_name = "is_open", .when_value = "yes"}}};
+  std::vector<std::string> names;
+  for (const Branch& branch : branches_of(space)) {
+    names.push_back(branch.name);
+  }
+  EXPECT_THAT(names,
+              testing::ElementsAre(
+                  "use = ring or bar", "use = dome, is_open = no", "use = dome, is_open = yes"));
+}
+
+TEST(Branches, OfMoreThan256OnlyThoseWithDesignsAreMade) {
+  SearchSpace space;
+  for (int k = 0; k < 9; ++k) {
+    const std::string name = "is_" + std::to_string(k);
+    space.variables.push_back({.name = name, .kind = Kind::kChoice, .choices = {"no", "yes"}});
+    space.variables.push_back(
+        {.name = "of_" + std::to_string(k), .when_name = name, .when_value = "yes"});
+  }
+  const auto trials = evaluated(space, 30, [](const Point& point, int) { return point[1]; });
+  const ScoreAnalysis analysis = analyse_score(space, kGoal, trials, "y");
+  EXPECT_GT(analysis.branches.size(), 10U);
+  EXPECT_LE(analysis.branches.size(), 30U);
+  EXPECT_GT(analysis.wanted, 0);
+  EXPECT_EQ(branches_of(space).size(), 1U) << "there is no design";
+}
+
+// By values there would be ten branches of a dozen designs each.
+TEST(AnalyseScore, NeedsNoEvidenceForEachValueOfAConditionsVariable) {
+  const SearchSpace space = pictures();
+  const auto trials = evaluated(space, 120, [](const Point& point, int) {
+    return point[0] + (point[0] == 4.0 ? point[1] : point[2]);
+  });
+  const ScoreAnalysis analysis = analyse_score(space, kGoal, trials, "y");
+  ASSERT_EQ(analysis.branches.size(), 2U);
+  const BranchAnalysis& others = analysis.branches[0];
+  ASSERT_TRUE(others.evidence.is_enough()) << others.evidence.reason();
+  EXPECT_EQ(others.importance[0].variable, 0U);
+  EXPECT_GT(others.importance[0].index.total.value, 0.9);
+  EXPECT_THAT(others.responses[0].at, testing::ElementsAre(1, 2, 3, 5, 6, 7, 8, 9, 10));
+}
+
 }  // namespace
 }  // namespace glint

@@ -68,8 +68,9 @@ enum class EventKind {
   kReference,  ///< of several objectives: the hypervolume's reference was fixed at `objectives`
   kRules,      ///< before the first ask: the run follows the rules `value` (SearchSettings::rules)
   kModel,      ///< the algorithm's models have the parameters `objectives` from the next ask on
-  /// All outcomes so far were withdrawn and the algorithm begins anew: asks and tells before are
-  /// history. `trial` showed why; `value` and `objectives` are of who reviews the search.
+  /// The algorithm begins anew: asks and tells before are history. `trial` > 0: all outcomes so far
+  /// were withdrawn, this trial showed why, and `value` and `objectives` are of who reviews the
+  /// search. 0: the space was widened; outcomes stay.
   kEpoch
 };
 

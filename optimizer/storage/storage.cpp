@@ -357,6 +357,22 @@ void Storage::begin_epoch(const Event& event) {
   transaction.commit();
 }
 
+void Storage::become(const StudyIdentity& identity,
+                     const std::vector<Point>& points,
+                     const Event& event) {
+  const std::lock_guard lock(state_->mutex);
+  Transaction transaction(state_->database);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    replace_point(state_->database, TrialKind::kSearch, static_cast<int>(i) + 1, points[i]);
+  }
+  Statement(state_->database, "UPDATE study SET config_hash = ?, config_text = ?")
+      .bind(std::string_view(identity.config_hash))
+      .bind(std::string_view(identity.config_text))
+      .run();
+  insert_event(state_->database, event);
+  transaction.commit();
+}
+
 void Storage::set_session_seconds(double seconds) {
   const std::lock_guard lock(state_->mutex);
   Statement(state_->database, "UPDATE session SET seconds = ? WHERE number = ?")

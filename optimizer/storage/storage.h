@@ -66,12 +66,17 @@ class Storage {
   /// Appends a kEpoch event and withdraws the outcomes of all search trials, in one transaction.
   void begin_epoch(const Event& event);
 
+  /// Goes on as another study whose trials are the same designs: the points of all search trials
+  /// are replaced, their outcomes stay, and the event is appended, in one transaction.
+  /// @param points  of all search trials, by number
+  void become(const StudyIdentity& identity, const std::vector<Point>& points, const Event& event);
+
   /// Notes how long this process has been searching.
   void set_session_seconds(double seconds);
   /// Over all processes that ran this study.
   double total_seconds() const;
 
-  StudyIdentity identity() const;                   ///< as it was when the study began
+  StudyIdentity identity() const;                   ///< as it was when the study began or became
   std::vector<Event> events() const;                ///< in order
   std::vector<Trial> trials(TrialKind kind) const;  ///< by number
 

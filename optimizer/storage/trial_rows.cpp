@@ -129,6 +129,14 @@ void delete_outcomes(Database& database, TrialKind kind) {
   }
 }
 
+void replace_point(Database& database, TrialKind kind, int number, const Point& point) {
+  Statement(database, "UPDATE trial SET point = ? WHERE kind = ? AND number = ?")
+      .bind_doubles(point)
+      .bind(name_of(kind))
+      .bind(std::int64_t{number})
+      .run();
+}
+
 void insert_outcome(Database& database, TrialKind kind, int number, const Outcome& outcome) {
   delete_outcome(database, kind, number);
   const auto begin = [&](Statement& statement) -> Statement& {

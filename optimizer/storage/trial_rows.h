@@ -17,6 +17,9 @@ inline constexpr std::int64_t kFirstSchemaWithObjectives = 4;
 /// Inserts the trial without its outcome, or replaces it.
 void insert_trial(Database& database, const Trial& trial);
 
+/// Of a trial that is there; its outcome stays.
+void replace_point(Database& database, TrialKind kind, int number, const Point& point);
+
 /// Replaces whatever outcome the trial had.
 void insert_outcome(Database& database, TrialKind kind, int number, const Outcome& outcome);
 

@@ -19,6 +19,7 @@
 #include "studies/definition/study.h"
 #include "studies/definition/study_text.h"
 #include "studies/output/provenance.h"
+#include "studies/run/begun_study.h"
 #include "studies/run/study_search.h"
 
 namespace glint {
@@ -43,11 +44,18 @@ Study searched_study(const fs::path& run) {
 }
 
 Storage open_added(const Study& study, const fs::path& run) {
-  return Storage::open(run / kAddedDesigns,
-                       {.config_hash = config_hash(study),
-                        .config_text = resolved_text(study),
-                        .code_version = program_version(),
-                        .seed = study.search.seed});
+  StudyIdentity identity = {.config_hash = config_hash(study),
+                            .config_text = resolved_text(study),
+                            .code_version = program_version(),
+                            .seed = study.search.seed};
+  const fs::path database = run / kAddedDesigns;
+  if (fs::exists(database)) {
+    const StudyIdentity recorded = Storage::read(database).identity();
+    if (is_recorded_as(study, recorded.config_hash, recorded.config_text)) {
+      identity.config_hash = recorded.config_hash;
+    }
+  }
+  return Storage::open(database, identity);
 }
 
 /// A failed design is data: the others go on.

@@ -11,10 +11,6 @@
 
 namespace glint {
 
-/// The designs that were added to a run for its analysis, in a file of their own beside
-/// study.sqlite.
-inline constexpr const char* kAddedDesigns = "analysis.sqlite";
-
 struct AddOptions {
   int count = 0;  ///< designs that there shall be in all, >= 1
   int threads = 1;

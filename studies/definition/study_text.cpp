@@ -125,8 +125,53 @@ std::vector<PlacedValue> values_of(const std::string& text) {
   return values;
 }
 
-bool changes_no_result(const std::string& path) {
-  return path == "title" || path.starts_with("budget.");
+/// Whether something that is kept depends on the prototypes: the rung that a search is rendered by,
+/// and parts that were inspected under them.
+bool keeps_of_prototypes(const Study& study) {
+  return study.accuracy || study.sorting || study.pod;
+}
+
+bool changes_no_result(const Study& study, const std::string& path) {
+  return path == "title" || path.starts_with("budget.") ||
+         (path.starts_with("prototypes.") && !keeps_of_prototypes(study));
+}
+
+void erase_key(ConfigNode& table, const std::string& key) {
+  const auto found = std::ranges::find(table.names, key);
+  if (found != table.names.end()) {
+    table.items.erase(table.items.begin() + (found - table.names.begin()));
+    table.names.erase(found);
+  }
+}
+
+/// With the prototypes of a recorded one, as far as a hash takes note of them.
+Study with_prototypes_of(Study study, const ConfigNode& recorded) {
+  erase_key(study.root, "prototypes");
+  study.prototypes.clear();
+  if (const ConfigNode* prototypes = recorded.find("prototypes")) {
+    study.root.names.emplace_back("prototypes");
+    study.root.items.push_back(*prototypes);
+    for (const ConfigNode& table : prototypes->items) {
+      Prototype prototype;
+      for (std::size_t i = 0; i < table.names.size(); ++i) {
+        prototype.overrides.emplace_back(table.names[i], table.items[i]);
+      }
+      study.prototypes.push_back(std::move(prototype));
+    }
+  }
+  return study;
+}
+
+/// Of all but the budget.
+std::string hash_of(Study hashed) {
+  hashed.budget = {};
+  name_mounts_for_hash(hashed);
+  drop_younger_defaults(hashed);
+  std::string text = resolved_text(hashed);
+  for (const std::filesystem::path& file : input_files(hashed.scene)) {
+    text += read_file(file);
+  }
+  return sha256_hex(text);
 }
 
 }  // namespace
@@ -156,14 +201,24 @@ std::string without_folders(std::string text, const Study& study) {
 
 std::string config_hash(const Study& study) {
   Study hashed = study;
-  hashed.budget = {};
-  name_mounts_for_hash(hashed);
-  drop_younger_defaults(hashed);
-  std::string text = resolved_text(hashed);
-  for (const std::filesystem::path& file : input_files(study.scene)) {
-    text += read_file(file);
+  if (!keeps_of_prototypes(study)) {
+    erase_key(hashed.root, "prototypes");
+    hashed.prototypes.clear();
   }
-  return sha256_hex(text);
+  return hash_of(std::move(hashed));
+}
+
+bool is_recorded_as(const Study& study, const std::string& hash, const std::string& recorded) {
+  if (config_hash(study) == hash) {
+    return true;
+  }
+  const Study titled = with_title_of(study, recorded);
+  if (config_hash(titled) == hash) {
+    return true;
+  }
+  // Earlier programs counted prototypes.
+  return !keeps_of_prototypes(study) &&
+         hash_of(with_prototypes_of(titled, parse_toml(recorded, "study.resolved.toml"))) == hash;
 }
 
 Study with_title_of(Study study, const std::string& recorded) {
@@ -180,7 +235,7 @@ std::vector<std::string> changed_keys(const Study& study, const std::string& rec
   for (const auto& [path, value] : now) {
     const auto found = std::ranges::find(before, path, &PlacedValue::first);
     const bool was_there = found != before.end();
-    if (!changes_no_result(path) && (!was_there || found->second != value)) {
+    if (!changes_no_result(study, path) && (!was_there || found->second != value)) {
       changes.push_back(was_there ? fmt::format("{} is {}, was {}", path, value, found->second)
                                   : fmt::format("{} is {}, was not there", path, value));
     }
@@ -189,7 +244,7 @@ std::vector<std::string> changed_keys(const Study& study, const std::string& rec
     }
   }
   for (const auto& [path, value] : before) {
-    if (!changes_no_result(path)) {
+    if (!changes_no_result(study, path)) {
       changes.push_back(fmt::format("{} was {}, is gone", path, value));
     }
   }

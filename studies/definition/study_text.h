@@ -19,8 +19,14 @@ std::string shown_text(const Study& study);
 /// A text without the folders of the files that the study names by their full paths.
 std::string without_folders(std::string text, const Study& study);
 
-/// Hash of everything that changes results; the budget is left out.
+/// Hash of everything that changes recorded results. The budget is left out, and so are prototypes,
+/// which each run scores anew, unless [accuracy], [sorting] or [pod] keep what depends on them.
 std::string config_hash(const Study& study);
+
+/// Whether a study was recorded by this hash, perhaps under another title, with other prototypes or
+/// by an earlier program. @param recorded  its resolved_text() then
+/// @throws ConfigError for a text that is none
+bool is_recorded_as(const Study& study, const std::string& hash, const std::string& recorded);
 
 /// The study with the title of a recorded one; the title changes no result.
 /// @param recorded  resolved_text() of that study, also by an earlier program
@@ -28,7 +34,8 @@ std::string config_hash(const Study& study);
 Study with_title_of(Study study, const std::string& recorded);
 
 /// "scan.positions is 12, was 24": every key in which the study differs from the recorded one, but
-/// for title and budget, in the order of the study's tables. @throws ConfigError as above
+/// for what its hash leaves out and the title, in the order of the study's tables. @throws
+/// ConfigError as above
 std::vector<std::string> changed_keys(const Study& study, const std::string& recorded);
 
 }  // namespace glint

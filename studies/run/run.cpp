@@ -26,6 +26,7 @@
 #include "studies/population/pod_study.h"
 #include "studies/population/sorting.h"
 #include "studies/report/report.h"
+#include "studies/run/begun_study.h"
 #include "studies/run/check_study.h"
 #include "studies/run/design_files.h"
 #include "studies/run/repeated_scores.h"
@@ -104,24 +105,9 @@ class Run {
     if (study_.has_search()) {
       log(LogLevel::kInfo, "the search ends {}", limits_text(study_.budget));
     }
-  }
-
-  /// A folder that holds the same study under another title is the study's own.
-  /// @throws ConfigError that says what differs
-  void adopt_title(StudyIdentity& identity, const fs::path& database) const {
-    const StudyIdentity recorded = Storage::read(database).identity();
-    if (recorded.config_hash == identity.config_hash) {
-      return;
+    if (!widened_.empty()) {
+      log(LogLevel::kInfo, "it goes on in a wider space: {}", widened_);
     }
-    if (config_hash(with_title_of(study_, recorded.config_text)) == recorded.config_hash) {
-      identity.config_hash = recorded.config_hash;
-      return;
-    }
-    throw ConfigError(fmt::format(
-        "{}: holds another study: {}; of a study that has been begun only title and [budget] may "
-        "change: give another folder with --out",
-        options_.out.string(),
-        changes_text(changed_keys(study_, recorded.config_text))));
   }
 
   Storage open_storage() {
@@ -131,7 +117,7 @@ class Run {
                  .code_version = program_version(),
                  .seed = study_.search.seed};
     if (std::error_code ignored; fs::exists(database, ignored)) {
-      adopt_title(identity_, database);
+      widened_ = adopt_begun_study(study_, identity_, options_.out);
     }
     return Storage::open(database, identity_);
   }
@@ -277,7 +263,12 @@ class Run {
       return;
     }
     const double start = process_cpu_s();
-    BuiltDesigns built(store_, study_, identity_, options_.out, options_.jobs, options_.interrupt);
+    std::optional<RenderRung> rung;
+    if (accurate_.chosen) {
+      rung = accurate_.chosen->rung();
+    }
+    BuiltDesigns built(
+        store_, study_, identity_, options_.out, rung, options_.jobs, options_.interrupt);
     const auto variables = [this](const Point& point) { return variables_json(study_, point); };
     const auto trials = storage.trials(TrialKind::kSearch);
     auto found = tolerance_spread(built, study_, trials, winner, variables);
@@ -426,6 +417,7 @@ class Run {
   ThreadPool pool_;
   SceneStore store_;
   StudyIdentity identity_;
+  std::string widened_;  ///< by what, if this run widened the space
   Clock::time_point start_ = Clock::now();
   std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
   AccurateSearch accurate_;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -13,6 +12,8 @@
 #include "core/text.h"
 #include "optimizer/algorithm/merit.h"
 #include "studies/definition/study_text.h"
+#include "studies/output/provenance.h"
+#include "studies/run/begun_study.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -23,14 +24,27 @@ ConfigError refusal(const fs::path& run, const std::string& reason) {
   return ConfigError(fmt::format("--from {}: {}", run.string(), reason));
 }
 
-/// Tables that may differ without changing what a score means.
+/// "objective.0.reference is ..." and the like.
+bool is_of_choice(const std::string& change) {
+  const std::string path = change.substr(0, change.find(' '));
+  return path.starts_with("objective.") &&
+         std::ranges::any_of(std::vector<std::string>{".reference", ".aspiration", ".weight"},
+                             [&](const std::string& key) { return path.ends_with(key); });
+}
+
+/// What may differ without changing what a score means.
 bool changes_no_score(const std::string& change) {
-  return std::ranges::any_of(
-      std::vector<std::string>{
-          "variables", "search", "prototypes", "constraints", "manufacture", "schema"},
-      [&](const std::string& table) {
-        return change.starts_with(table + ".") || change.starts_with(table + " ");
-      });
+  return is_of_choice(change) || std::ranges::any_of(std::vector<std::string>{"variables",
+                                                                              "search",
+                                                                              "prototypes",
+                                                                              "constraints",
+                                                                              "manufacture",
+                                                                              "choice",
+                                                                              "schema"},
+                                                     [&](const std::string& table) {
+                                                       return change.starts_with(table + ".") ||
+                                                              change.starts_with(table + " ");
+                                                     });
 }
 
 void check_variables(const Study& study, const Study& earlier, const fs::path& run) {
@@ -65,47 +79,10 @@ void check_meaning(const Study& study, const Study& earlier, const fs::path& run
   if (!changes.empty()) {
     throw refusal(run,
                   "its scores have another meaning: " + join(changes, "; ") +
-                      "; only limits of variables, [constraints], [prototypes], [search] and "
-                      "[budget] may differ");
+                      "; only limits of variables, reference, aspiration and weight of objectives, "
+                      "[choice], [constraints], [prototypes], [manufacture], [search] and [budget] "
+                      "may differ");
   }
-}
-
-/// The value of the same variable; nothing where it cannot have it.
-std::optional<double> value_here(const Variable& here, const Variable& there, double value) {
-  if (here.kind != Variable::Kind::kChoice || there.kind != Variable::Kind::kChoice) {
-    return here.kind == there.kind ? std::optional(value) : std::nullopt;
-  }
-  const auto found =
-      std::ranges::find(here.choices, there.choices[static_cast<std::size_t>(value)]);
-  return found == here.choices.end()
-             ? std::nullopt
-             : std::optional(static_cast<double>(found - here.choices.begin()));
-}
-
-/// The point of this study's space that is the same design.
-std::optional<Point> point_here(const SearchSpace& here,
-                                const SearchSpace& there,
-                                const Point& at) {
-  Point point;
-  std::vector<bool> was_active;
-  for (const Variable& variable : here.variables) {
-    const auto other = std::ranges::find(there.variables, variable.name, &Variable::name);
-    const auto index = static_cast<std::size_t>(other - there.variables.begin());
-    was_active.push_back(is_active(there, at, index));
-    const auto value = value_here(variable, *other, at[index]);
-    if (!value && was_active.back()) {
-      return std::nullopt;
-    }
-    point.push_back(value.value_or(0.0));
-  }
-  const Point allowed = canonical(here, point);
-  for (std::size_t i = 0; i < point.size(); ++i) {
-    const bool active = is_active(here, allowed, i);
-    if (active != was_active[i] || (active && allowed[i] != point[i])) {
-      return std::nullopt;
-    }
-  }
-  return allowed;
 }
 
 StudyIdentity identity_of(const Study& study) {
@@ -118,10 +95,35 @@ StudyIdentity identity_of(const Study& study) {
 Study earlier_study(const fs::path& run, const Storage& storage) {
   Study earlier = load_study(run / "study.resolved.toml", {});
   const StudyIdentity recorded = storage.identity();
-  if (config_hash(with_title_of(earlier, recorded.config_text)) != recorded.config_hash) {
+  if (!is_recorded_as(earlier, recorded.config_hash, recorded.config_text)) {
     throw refusal(run, "the files of its part have changed since, or an older program wrote it");
   }
   return earlier;
+}
+
+/// They count as evaluations, and the search must have room for one of its own.
+void check_budget(const Study& study, const TakenTrials& taken) {
+  const Point baseline = canonical(study.space, baseline_point(study));
+  const bool has_baseline =
+      std::ranges::find(taken.trials, baseline, &Trial::point) != taken.trials.end();
+  const std::size_t first = taken.trials.size() + (has_baseline ? 0 : 1);
+  const int allowed = study.budget.evaluations;
+  if (allowed > 0 && static_cast<std::size_t>(allowed) <= first) {
+    throw refusal(taken.from,
+                  fmt::format("its {} trials count as evaluations: with budget.evaluations = {} "
+                              "nothing new would be searched; give at least {}",
+                              taken.trials.size(),
+                              allowed,
+                              first + 1));
+  }
+}
+
+std::string note_of(const TakenTrials& taken) {
+  const std::string note = fmt::format("begins with {} of the {} trials of {}",
+                                       taken.trials.size(),
+                                       taken.found,
+                                       taken.from.filename().string());
+  return taken.made_by.empty() ? note : note + ", which Glint " + taken.made_by + " evaluated";
 }
 
 }  // namespace
@@ -135,6 +137,9 @@ TakenTrials trials_from(const Study& study, const fs::path& run) {
   check_variables(study, earlier, run);
   check_meaning(study, earlier, run);
   TakenTrials taken = {.trials = {}, .from = run};
+  if (const std::string version = storage.identity().code_version; version != program_version()) {
+    taken.made_by = version;
+  }
   for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
     if (!trial.outcome) {
       continue;
@@ -155,6 +160,7 @@ TakenTrials trials_from(const Study& study, const fs::path& run) {
                   fmt::format("none of its {} trials is a design of this study with all scores",
                               taken.found));
   }
+  check_budget(study, taken);
   return taken;
 }
 
@@ -185,12 +191,15 @@ void keep_taken(const Study& study,
     }
   }
   fs::rename(unfinished, out / kTakenTrials);
-  const std::string note = fmt::format("begins with {} of the {} trials of {}",
-                                       taken.trials.size(),
-                                       taken.found,
-                                       taken.from.filename().string());
+  const std::string note = note_of(taken);
   storage.append(std::vector<Event>{{.kind = EventKind::kNote, .text = note}});
   log(LogLevel::kInfo, "{}; they count as evaluations", note);
+  if (!taken.made_by.empty()) {
+    log(LogLevel::kWarning,
+        "--from {}: this is Glint {}, which may score the same designs otherwise",
+        taken.from.string(),
+        program_version());
+  }
 }
 
 TakenTrials trials_to_take(const Study& study, const fs::path& from, const fs::path& out) {

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "optimizer/search/search.h"
@@ -22,12 +23,14 @@ struct TakenTrials {
   std::filesystem::path from;  ///< the earlier run; empty: nothing is taken
   int found = 0;               ///< trials with an outcome in the earlier run; the rest failed, lies
                                ///< outside the variables' limits or lacks a score
+  std::string made_by = {};    ///< the program that evaluated them; empty: this one
 };
 
 /// What an earlier run knows of this study's space.
 /// @throws ConfigError when its scores have another meaning (something but variables' limits,
-///         constraints, prototypes, search and budget differs), its variables are others, its files
-///         have changed since, the algorithm needs derivatives, or nothing can be taken
+///         constraints, prototypes, search, budget and how several objectives are weighed differs),
+///         its variables are others, its files have changed since, the algorithm needs derivatives,
+///         nothing can be taken, or the budget leaves nothing beside what is taken
 /// @throws IoError     no run
 TakenTrials trials_from(const Study& study, const std::filesystem::path& run);
 

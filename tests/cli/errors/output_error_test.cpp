@@ -137,7 +137,8 @@ TEST_F(OutputError, AnotherStudyInTheFolderIsLeftAlone) {
   expect_one_line(run("out", {"--set", "lighting.tunnel.slot_mm=16"}),
                   2,
                   "out: holds another study: lighting\\.tunnel\\.slot_mm is 16, was [0-9.]+; of a "
-                  "study that has been begun only title and \\[budget\\] may change: give another "
+                  "study that has been begun only title, \\[prototypes\\] and \\[budget\\] may "
+                  "change, and variables may get wider limits and more choices: give another "
                   "folder with --out");
   expect_one_line(
       glint_in(folder_, {"render", "study.toml", "--out", "out"}),

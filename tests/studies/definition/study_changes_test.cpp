@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/file.h"
+#include "core/text.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -29,8 +30,10 @@ evaluations = 10
 
 class StudyChanges : public ::testing::Test {
  protected:
-  Study load(const std::vector<KeyValue>& sets = {}) {
-    write_file(folder_ / "s.toml", kStudy);
+  Study load(const std::vector<KeyValue>& sets = {}) { return load_with("", sets); }
+
+  Study load_with(const std::string& tables, const std::vector<KeyValue>& sets = {}) {
+    write_file(folder_ / "s.toml", kStudy + tables);
     return load_study(folder_ / "s.toml", sets);
   }
 
@@ -46,6 +49,46 @@ TEST_F(StudyChanges, TitleAndBudgetChangeNothing) {
   const Study again = with_title_of(renamed, resolved_text(study));
   EXPECT_EQ(again.title, "First");
   EXPECT_EQ(config_hash(again), config_hash(study));
+}
+
+const std::string kWide = "[prototypes.wide]\n\"lighting.tunnel.radius_mm\" = 150\n";
+
+/// A recorded text as hashes take it.
+std::string hashed_text(const Study& study) {
+  Study plain = study;
+  plain.budget = {};
+  std::string text = resolved_text(plain);
+  for (const std::string line : {"lighting_use = \"all\"\n", "expose_to = 0.0\n"}) {
+    text.erase(text.find(line), line.size());
+  }
+  return text;
+}
+
+TEST_F(StudyChanges, PrototypesChangeNothingThatIsRecorded) {
+  const Study study = load();
+  const Study more = load_with(kWide);
+  ASSERT_EQ(more.prototypes.size(), 1U);
+  EXPECT_EQ(config_hash(more), config_hash(study));
+  EXPECT_EQ(config_hash(study), sha256_hex(hashed_text(study))) << "as ever";
+  EXPECT_THAT(changed_keys(more, resolved_text(study)), IsEmpty());
+  EXPECT_THAT(changed_keys(study, resolved_text(more)), IsEmpty());
+  // By earlier programs prototypes counted.
+  const std::string former = sha256_hex(hashed_text(more));
+  EXPECT_NE(former, config_hash(more));
+  EXPECT_TRUE(is_recorded_as(more, former, resolved_text(more)));
+  EXPECT_TRUE(is_recorded_as(study, former, resolved_text(more))) << "without it now";
+  const Study other = load_with(kWide, {{"sensor.gain", "1.7"}});
+  EXPECT_FALSE(is_recorded_as(other, former, resolved_text(more)));
+}
+
+TEST_F(StudyChanges, PrototypesCountWhereSomethingKeptDependsOnThem) {
+  const std::string accuracy = "[accuracy]\ntolerance = \"auto\"\n";
+  const Study study = load_with(accuracy);
+  const Study more = load_with(accuracy + kWide);
+  EXPECT_NE(config_hash(more), config_hash(study));
+  EXPECT_FALSE(is_recorded_as(more, config_hash(study), resolved_text(study)));
+  EXPECT_THAT(changed_keys(more, resolved_text(study)),
+              ElementsAre("prototypes.wide.lighting.tunnel.radius_mm is 150, was not there"));
 }
 
 TEST_F(StudyChanges, AreToldWithBothValues) {

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "optimizer/storage/sqlite.h"
 #include "studies/run/run.h"
 #include "tests/studies/imaging/path_support.h"
 #include "tests/studies/run/rendered_plate.h"
@@ -86,7 +87,9 @@ TEST(WarmStart, BeginsWithTheTrialsAndResumesWithoutTheOldFolder) {
 TEST(WarmStart, LeavesOutWhatLiesOutside) {
   const TemporaryFolder folder;
   const auto first = run_into(folder, kFirst, "first");
-  const Study narrow = study_from_text(folder, replaced(kFirst, "max = 40", "max = 30"));
+  const Study narrow = study_from_text(
+      folder,
+      replaced(replaced(kFirst, "max = 40", "max = 30"), "evaluations = 12", "evaluations = 20"));
   const TakenTrials taken = trials_from(narrow, first);
   EXPECT_EQ(taken.found, 12);
   EXPECT_GT(taken.trials.size(), 0U);
@@ -96,16 +99,86 @@ TEST(WarmStart, LeavesOutWhatLiesOutside) {
   }
 }
 
+std::string refusal_of(const TemporaryFolder& folder,
+                       const std::string& text,
+                       const std::filesystem::path& first) {
+  try {
+    trials_from(study_from_text(folder, text), first);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// Taken trials are evaluations: the budget must leave room beside them.
+TEST(WarmStart, RefusesABudgetThatLeavesNothingToSearch) {
+  const TemporaryFolder folder;
+  const auto first = run_into(folder, kFirst, "first");
+  const auto budget = [](const std::string& text, int evaluations) {
+    return replaced(text, "evaluations = 20", "evaluations = " + std::to_string(evaluations));
+  };
+  for (const int evaluations : {5, 12}) {
+    EXPECT_THAT(refusal_of(folder, budget(kWider, evaluations), first),
+                HasSubstr("its 12 trials count as evaluations: with budget.evaluations = " +
+                          std::to_string(evaluations) +
+                          " nothing new would be searched; give at least 13"));
+  }
+  EXPECT_EQ(refusal_of(folder, budget(kWider, 13), first), "");
+  // Another design to begin with is an evaluation, too.
+  const std::string other = replaced(kWider, "height_mm = 30", "height_mm = 31");
+  EXPECT_THAT(refusal_of(folder, budget(other, 13), first), HasSubstr("give at least 14"));
+  EXPECT_EQ(refusal_of(folder, budget(other, 14), first), "");
+}
+
+const std::string kTwo = replaced(kFirst,
+                                  "[objective]\nmaximise = \"defects.min_weber\"\n",
+                                  R"([[objective]]
+maximise = "defects.min_weber"
+reference = 0.01
+weight = 2
+[[objective]]
+minimise = "lighting.height_mm"
+aspiration = 25
+[choice]
+by = "weights"
+)");
+
+// They weigh scores; what a score means stays.
+TEST(WarmStart, TakesTrialsWhoseObjectivesAreWeighedOtherwise) {
+  const TemporaryFolder folder;
+  const auto first = run_into(folder, kTwo, "first");
+  const auto refused = [&](const std::string& before, const std::string& after) {
+    const std::string text = replaced(kTwo, "evaluations = 12", "evaluations = 20");
+    return refusal_of(folder, replaced(text, before, after), first);
+  };
+  EXPECT_EQ(refused("reference = 0.01", "reference = 0.02"), "");
+  EXPECT_EQ(refused("reference = 0.01\n", ""), "");
+  EXPECT_EQ(refused("weight = 2", "weight = 3"), "");
+  EXPECT_EQ(refused("aspiration = 25", "aspiration = 22"), "");
+  EXPECT_EQ(refused("by = \"weights\"", "by = \"knee\""), "");
+  EXPECT_THAT(refused("minimise = \"lighting.height_mm\"\naspiration = 25",
+                      "maximise = \"lighting.height_mm\"\naspiration = 25"),
+              HasSubstr("objective.1.maximise"));
+}
+
+TEST(WarmStart, TellsThatAnotherProgramEvaluatedThem) {
+  const TemporaryFolder folder;
+  const auto first = run_into(folder, kFirst, "first");
+  {
+    Database database(first / "study.sqlite", Database::Access::kReadWrite);
+    database.run("UPDATE study SET code_version = '0.1.0-old'");
+  }
+  const auto run = run_into(folder, kWider, "whole", first);
+  EXPECT_EQ(Storage::read(run / "study.sqlite").events().front().text,
+            "begins with 12 of the 12 trials of first, which Glint 0.1.0-old evaluated");
+  EXPECT_THAT(read_file(run / "log.txt"), HasSubstr("may score the same designs otherwise"));
+}
+
 TEST(WarmStart, RefusesWhatMeansSomethingElse) {
   const TemporaryFolder folder;
   const auto first = run_into(folder, kFirst, "first");
-  const auto refused = [&](const std::string& text) -> std::string {
-    try {
-      trials_from(study_from_text(folder, text), first);
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
-    return "";
+  const auto refused = [&](const std::string& text) {
+    return refusal_of(folder, replaced(text, "evaluations = 12", "evaluations = 20"), first);
   };
   EXPECT_EQ(refused(kFirst), "");
   EXPECT_THAT(refused(replaced(kFirst, "height_um = 60", "height_um = 70")),

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What may change of a study whose run has begun: prototypes, wider limits and more choices.
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "studies/run/run.h"
+#include "studies/run/begun_study.h"
+#include "studies/tolerance/built_designs.h"
+#include "tests/studies/imaging/path_support.h"
+#include "tests/studies/run/rendered_plate.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ::testing::HasSubstr;
+
+const std::string kBegun =
+    "schema = 1\nlighting_use = \"ring\"\n" + kPathPlate + kPathRing + kPathBar + R"(
+[variables]
+"lighting_use" = { choices = ["ring", "left"] }
+"lighting.ring.height_mm" = { min = 20, max = 40, when = "lighting_use == ring" }
+"lighting.left.length_mm" = { min = 10, max = 30, when = "lighting_use == left" }
+[objective]
+maximise = "defects.min_weber"
+[search]
+algorithm = "gp"
+[budget]
+evaluations = 12
+)";
+
+const std::string kLonger = replaced(kBegun, "evaluations = 12", "evaluations = 20");
+const std::string kPrototype =
+    "[prototypes.high]\ntitle = \"High\"\n\"lighting.ring.height_mm\" = 55\n";
+
+Json run_in(const TemporaryFolder& folder, const std::string& text, bool verifies = false) {
+  write_file(folder / "study.toml", text);
+  return run_study(load_study(folder / "study.toml", {}),
+                   {.out = folder / "run",
+                    .threads = 2,
+                    .jobs = 2,
+                    .progress = Progress::Style::kNone,
+                    .log_file = {},
+                    .verify_replay = verifies});
+}
+
+std::string refusal_in(const TemporaryFolder& folder, const std::string& text) {
+  try {
+    run_in(folder, text);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+Storage record_in(const TemporaryFolder& folder) {
+  return Storage::read(folder / "run/study.sqlite");
+}
+
+/// Scores and active values by name, of the first trials.
+std::vector<std::string> designs_in(const TemporaryFolder& folder, std::size_t count) {
+  const Study study = load_study(folder / "run/study.resolved.toml", {});
+  std::vector<std::string> designs;
+  for (const Trial& trial : record_in(folder).trials(TrialKind::kSearch)) {
+    std::string text;
+    for (const auto& [path, value] : overrides_of(study, trial.point)) {
+      text += path + "=" + (value.is_number() ? std::to_string(value.number) : value.text) + " ";
+    }
+    for (const auto& [name, value] : trial.outcome->scores) {
+      text += name + "=" + std::to_string(value) + " ";
+    }
+    designs.push_back(text);
+  }
+  designs.resize(std::min(designs.size(), count));
+  return designs;
+}
+
+std::ptrdiff_t epochs_in(const TemporaryFolder& folder) {
+  const std::vector<Event> events = record_in(folder).events();
+  return std::ranges::count(events, EventKind::kEpoch, &Event::kind);
+}
+
+TEST(BegunStudy, ANewPrototypeIsScoredWithoutAnEpoch) {
+  const TemporaryFolder folder;
+  run_in(folder, kBegun);
+  const std::vector<std::string> before = designs_in(folder, 12);
+  const Json result = run_in(folder, kBegun + kPrototype);
+  EXPECT_TRUE(result["prototypes"]["high"]["scores"].contains("defects.min_weber"));
+  EXPECT_EQ(designs_in(folder, 20), before) << "nothing is searched again";
+  EXPECT_EQ(epochs_in(folder), 0);
+  EXPECT_TRUE(run_in(folder, kBegun)["prototypes"].empty()) << "it may go, too";
+}
+
+TEST(BegunStudy, WiderLimitsAndMoreChoicesBeginAnEpochWithTheSameDesigns) {
+  const TemporaryFolder folder;
+  run_in(folder, kBegun);
+  const std::vector<std::string> before = designs_in(folder, 12);
+  // Choices before the known ones: their numbers are others.
+  const std::string wider = replaced(
+      replaced(replaced(kLonger, "[\"ring\", \"left\"]", "[\"ring+left\", \"ring\", \"left\"]"),
+               "max = 40, when = \"lighting_use == ring\"",
+               "max = 60, when = \"lighting_use in [ring, ring+left]\""),
+      "min = 10, max = 30",
+      "min = 8, max = 30");
+  const Json result = run_in(folder, wider);
+  EXPECT_EQ(result["evaluations"], 20);
+  EXPECT_EQ(designs_in(folder, 12), before);
+  EXPECT_EQ(epochs_in(folder), 1);
+  const std::vector<Event> events = record_in(folder).events();
+  const auto epoch = std::ranges::find(events, EventKind::kEpoch, &Event::kind);
+  EXPECT_EQ(
+      epoch->text,
+      "a wider space: lighting_use: ring+left is a choice; lighting.ring.height_mm: is active "
+      "with other values; lighting.ring.height_mm: max is 60, was 40; "
+      "lighting.left.length_mm: min is 8, was 10");
+  EXPECT_THAT(read_file(folder / "run/log.txt"), HasSubstr("it goes on in a wider space"));
+  // The same command resumes, and every ask comes out again.
+  const std::vector<std::string> all = designs_in(folder, 20);
+  run_in(folder, replaced(wider, "evaluations = 20", "evaluations = 24"), true);
+  EXPECT_EQ(designs_in(folder, 20), all);
+  EXPECT_EQ(epochs_in(folder), 1);
+  // The narrow study is another one now.
+  EXPECT_THAT(refusal_in(folder, kBegun), HasSubstr("ring+left is no choice any more"));
+}
+
+TEST(BegunStudy, NarrowerRangesAndOtherChangesAreRefusedWithTheReason) {
+  const TemporaryFolder folder;
+  run_in(folder, kBegun);
+  const auto refused = [&](const std::string& before, const std::string& after) {
+    return refusal_in(folder, replaced(kBegun, before, after));
+  };
+  EXPECT_THAT(refused("max = 40", "max = 35"),
+              HasSubstr("lighting.ring.height_mm: max is 35, was 40, a narrower range"));
+  EXPECT_THAT(refused("max = 40", "max = 60, log = true"),
+              HasSubstr("differs in more than limits and choices"));
+  EXPECT_THAT(refused("bits = 0", "bits = 8"), HasSubstr("sensor.bits is 8, was 0"));
+  EXPECT_THAT(refused("height_um = 60", "height_um = 70"),
+              HasSubstr("defects.dent.height_um is 70, was 60"));
+  EXPECT_THAT(refused("maximise", "minimise"), HasSubstr("objective.minimise"));
+  EXPECT_EQ(epochs_in(folder), 0);
+  EXPECT_EQ(run_in(folder, kBegun)["evaluations"], 12) << "nothing is changed by a refusal";
+}
+
+/// Whose steps count from another begin.
+TEST(BegunStudy, AWiderRangeWhoseStepsHaveShiftedIsRefused) {
+  const TemporaryFolder folder;
+  const std::string stepped = replaced(kBegun, "max = 40,", "max = 40, step = 4,");
+  run_in(folder, stepped);
+  EXPECT_THAT(refusal_in(folder, replaced(stepped, "min = 20", "min = 18")),
+              HasSubstr("steps count from min"));
+  EXPECT_EQ(run_in(folder, replaced(stepped, "min = 20", "min = 16"))["evaluations"], 12);
+  EXPECT_EQ(epochs_in(folder), 1);
+}
+
+}  // namespace
+}  // namespace glint

@@ -199,7 +199,7 @@ TEST(ToleranceSpread, GoesOnWithTheDesignsThatAreBuilt) {
   SceneStore store(pool);
   const auto spread_in = [&](const std::string& name, const std::atomic<int>* interrupt) {
     std::filesystem::create_directories(folder / name);
-    BuiltDesigns built(store, study, identity_of(study), folder / name, 1, interrupt);
+    BuiltDesigns built(store, study, identity_of(study), folder / name, {}, 1, interrupt);
     return tolerance_spread(built, study, {}, {1.0}, variables_of);
   };
   const Json whole = *spread_in("whole", nullptr);

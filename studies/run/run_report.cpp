@@ -21,9 +21,9 @@
 #include "studies/output/provenance.h"
 #include "studies/population/population_report.h"
 #include "studies/report/report.h"
+#include "studies/run/comparison/several_runs.h"
 #include "studies/run/run_closeups.h"
 #include "studies/run/scene_facts.h"
-#include "studies/run/several_runs.h"
 #include "studies/run/study_search.h"
 #include "studies/tolerance/tolerance_panel.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/run/several_runs.h"
+#include "studies/run/comparison/several_runs.h"
 
 #include <set>
 
@@ -8,7 +8,7 @@
 
 #include "core/file.h"
 #include "studies/report/report.h"
-#include "studies/run/run_comparison.h"
+#include "studies/run/comparison/run_comparison.h"
 #include "tests/studies/run/rendered_plate.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/run/several_runs.h"
+#include "studies/run/comparison/several_runs.h"
 
 #include <algorithm>
 #include <iterator>
@@ -11,7 +11,7 @@
 
 #include "studies/output/result_folder.h"
 #include "studies/report/report.h"
-#include "studies/run/run_comparison.h"
+#include "studies/run/comparison/run_comparison.h"
 
 namespace glint {
 namespace fs = std::filesystem;

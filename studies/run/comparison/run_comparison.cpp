@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/run/run_comparison.h"
+#include "studies/run/comparison/run_comparison.h"
 
 #include <algorithm>
 #include <array>

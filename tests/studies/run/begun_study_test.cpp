@@ -9,8 +9,8 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "studies/run/run.h"
 #include "studies/run/begun_study.h"
+#include "studies/run/run.h"
 #include "studies/tolerance/built_designs.h"
 #include "tests/studies/imaging/path_support.h"
 #include "tests/studies/run/rendered_plate.h"

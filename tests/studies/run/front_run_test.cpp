@@ -15,6 +15,7 @@
 #include "optimizer/front/front.h"
 #include "studies/run/run.h"
 #include "studies/run/run_report.h"
+#include "tests/studies/run/rendered_plate.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -201,6 +202,30 @@ TEST(FrontRun, TolerancesSpreadEveryObjective) {
   const Json& scores = result.at("manufacture").at("scores");
   EXPECT_TRUE(scores.contains("homogeneity.h_rms"));
   EXPECT_TRUE(scores.contains("defects.min_cnr"));
+}
+
+/// Two prototypes are all that could be compared.
+TEST(FrontRun, WithoutAFeasibleDesignItEndsWithItsReport) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml",
+             replaced(kTinyTunnel,
+                      "[constraints]\n",
+                      "[prototypes.wide]\n\"lighting.tunnel.radius_mm\" = 200\n"
+                      "[prototypes.narrow]\n\"lighting.tunnel.radius_mm\" = 130\n"
+                      "[constraints]\n\"homogeneity.h_rms\" = { min = 1000 }\n"));
+  const Study study = load_study(folder / "study.toml", {{"budget.evaluations", "4"}});
+  const Json result = run_study(study,
+                                {.out = folder / "run",
+                                 .threads = 2,
+                                 .jobs = 1,
+                                 .progress = Progress::Style::kNone,
+                                 .log_file = {}});
+  EXPECT_EQ(result["status"], "no_feasible");
+  EXPECT_TRUE(result["front"].empty());
+  EXPECT_TRUE(result["chosen"].is_null());
+  EXPECT_FALSE(result.contains("probability_best"));
+  EXPECT_EQ(result["prototypes"].size(), 2U);
+  EXPECT_TRUE(std::filesystem::exists(folder / "run/report.html"));
 }
 
 }  // namespace

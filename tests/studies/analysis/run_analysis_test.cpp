@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "optimizer/storage/storage.h"
+#include "studies/run/begun_study.h"
 #include "studies/run/run.h"
 #include "tests/studies/imaging/path_support.h"
 #include "tests/support/temporary_folder.h"

@@ -24,6 +24,10 @@ void count_interrupt(int /*signal*/) {
 const std::atomic<int>& take_interrupts() {
   std::signal(SIGINT, count_interrupt);
   std::signal(SIGTERM, count_interrupt);
+  // A terminal that is closed, but where nohup lets the program go on.
+  if (std::signal(SIGHUP, count_interrupt) == SIG_IGN) {
+    std::signal(SIGHUP, SIG_IGN);
+  }
   return interrupt_count;
 }
 

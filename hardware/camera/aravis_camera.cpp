@@ -205,10 +205,13 @@ void AravisDriver::set_exposure(double exposure_us) {
 }
 
 void AravisDriver::set_gain(const CameraConfiguration& configuration) {
+  ArvCamera* camera = camera_.get();
+  if (arv_camera_is_gain_auto_available(camera, nullptr) != FALSE) {
+    arv_camera_set_gain_auto(camera, ARV_AUTO_OFF, nullptr);  // grey values of a run are compared
+  }
   if (!configuration.gain_db && !configuration.gain_raw) {
     return;
   }
-  ArvCamera* camera = camera_.get();
   const char* const key = configuration.gain_db ? "gain_db" : "gain_raw";
   const double gain = configuration.gain_db ? *configuration.gain_db : *configuration.gain_raw;
   if (arv_camera_is_gain_available(camera, nullptr) == FALSE) {
@@ -229,9 +232,6 @@ void AravisDriver::set_gain(const CameraConfiguration& configuration) {
                                   max));
   }
   check_range(key, gain, min, max);
-  if (arv_camera_is_gain_auto_available(camera, nullptr) != FALSE) {
-    arv_camera_set_gain_auto(camera, ARV_AUTO_OFF, nullptr);
-  }
   arv_camera_set_gain(camera, gain, failure.slot());
   failure.check(key);
 }

@@ -178,7 +178,8 @@ void check_angle(std::span<const WrittenPose> poses, PoseAngle angle, double lar
                     "allowed is angle = \"deg\"",
                     shortest(largest)));
   }
-  if (angle == PoseAngle::kDegree && poses.size() > 2 && largest < kLooksLikeRadians) {
+  if (angle == PoseAngle::kDegree && poses.size() > 2 && largest < kLooksLikeRadians &&
+      !poses.front().has_angle_unit) {
     refuse_key(
         poses.front().place,
         "angle",

@@ -55,6 +55,9 @@ struct WrittenPose {
   bool has_stamp = false;
   double stamp_s = 0.0;
   Place place;  ///< of its first number
+  /// Its angles are about z, y and x by their names, in whatever order they are applied.
+  bool has_named_angles = false;
+  bool has_angle_unit = false;  ///< its column names the unit of its angles
 };
 
 /// The convention with nothing left open, and for each thing that was guessed one sentence with the

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/poses/pose_reading.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -80,6 +81,18 @@ Eigen::Matrix3d euler_rotation(const Eigen::Vector3d& angles_rad, const std::str
   return rotation;
 }
 
+/// Number k is about axis k of the order, which angles that have names are put into.
+Eigen::Vector3d angles_of(const WrittenPose& pose, const std::string& order) {
+  const Eigen::Vector3d angles(pose.numbers[3], pose.numbers[4], pose.numbers[5]);
+  std::string axes = order;
+  std::ranges::sort(axes);
+  if (!pose.has_named_angles || axes != "xyz") {
+    return angles;
+  }
+  const auto about = [&](char axis) { return angles['z' - axis]; };
+  return {about(order[0]), about(order[1]), about(order[2])};
+}
+
 Eigen::Matrix3d rotation_of(const WrittenPose& pose, const PoseConvention& convention) {
   switch (convention.rotation) {
     case PoseRotation::kQuaternionWxyz:
@@ -89,11 +102,10 @@ Eigen::Matrix3d rotation_of(const WrittenPose& pose, const PoseConvention& conve
     case PoseRotation::kRotationVector:
     case PoseRotation::kEuler: {
       const double scale = convention.angle == PoseAngle::kDegree ? kRadPerDeg : 1.0;
-      const Eigen::Vector3d angles =
-          scale * Eigen::Vector3d(pose.numbers[3], pose.numbers[4], pose.numbers[5]);
       return convention.rotation == PoseRotation::kEuler
-                 ? euler_rotation(angles, convention.euler_order)
-                 : vector_rotation(angles);
+                 ? euler_rotation(scale * angles_of(pose, convention.euler_order),
+                                  convention.euler_order)
+                 : vector_rotation(scale * Eigen::Vector3d::Map(pose.numbers.data() + 3));
     }
     default:
       return matrix_rotation(pose);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <utility>
 #include <vector>
@@ -20,6 +21,8 @@ struct Columns {
   std::optional<std::size_t> stamp;
   std::size_t count = 0;
   std::vector<std::size_t> numbers;  ///< columns in the order of a pose's numbers
+  bool has_named_angles = false;     ///< yaw, pitch and roll
+  bool has_angle_unit = false;
 };
 
 /// Names of columns in the order in which a pose has their numbers.
@@ -98,6 +101,51 @@ const Layout* layout_of(std::span<const Heading> headings) {
     }
   }
   return nullptr;
+}
+
+/// r, p and y beside x, y and z are roll, pitch and yaw.
+void spell_out(std::vector<Heading>& headings) {
+  const std::vector<std::string> names = names_of(headings);
+  const auto count = [&](const char* name) { return std::ranges::count(names, name); };
+  if (count("r") != 1 || count("p") != 1 || count("y") != 2) {
+    return;
+  }
+  bool is_yaw = std::ranges::find(names, "r") < std::ranges::find(names, "y");
+  for (Heading& heading : headings) {
+    if (heading.name == "r" || heading.name == "p") {
+      heading.name = heading.name == "r" ? "roll" : "pitch";
+    } else if (heading.name == "y") {
+      heading.name = is_yaw ? "yaw" : "y";
+      is_yaw = !is_yaw;
+    }
+  }
+}
+
+/// rx, ry and rz in another order may be a vector's components or Euler angles in that order.
+void check_angles_in_order(std::span<const Heading> headings, const Layout& layout) {
+  if (layout.rotation != PoseRotation::kAuto) {
+    return;
+  }
+  std::vector<std::string> angles;
+  for (const Heading& heading : headings) {
+    if (!is_position(heading.name)) {
+      angles.push_back(heading.name);
+    }
+  }
+  if (!std::ranges::equal(angles, layout.names | std::views::drop(3))) {
+    refuse_key(
+        headings.front().place,
+        "rotation",
+        fmt::format("\"{}\", \"{}\" and \"{}\" may be a rotation vector or Euler angles that "
+                    "are applied in this order: name the columns {}, {}, {} in the order in "
+                    "which their numbers are meant",
+                    angles[0],
+                    angles[1],
+                    angles[2],
+                    layout.names[3],
+                    layout.names[4],
+                    layout.names[5]));
+  }
 }
 
 /// Some names are not known: then those that are must be where the numbers are read.
@@ -188,12 +236,16 @@ Columns head_columns(const CsvRow& head, PoseConvention& convention) {
       headings.push_back(heading_of(head[i], i));
     }
   }
+  spell_out(headings);
   const Layout* layout = layout_of(headings);
   if (layout == nullptr) {
     check_positions(headings);
   } else {
+    check_angles_in_order(headings, *layout);
     convention.rotation = layout->rotation;
+    columns.has_named_angles = layout->rotation == PoseRotation::kEuler;
     take_units(headings, convention);
+    columns.has_angle_unit = convention.angle != PoseAngle::kAuto;
   }
   columns.numbers = number_columns(headings, layout);
   return columns;
@@ -227,7 +279,9 @@ WrittenPose row_pose(const CsvRow& row, const Columns& columns) {
                "pose",
                fmt::format("has {} columns, the first line has {}", row.size(), columns.count));
   }
-  WrittenPose pose = {.place = row.front().place};
+  WrittenPose pose = {.place = row.front().place,
+                      .has_named_angles = columns.has_named_angles,
+                      .has_angle_unit = columns.has_angle_unit};
   if (columns.name) {
     pose.name = row[*columns.name].text;
   }

@@ -141,11 +141,14 @@ bool MotionWatch::is_on_its_way(const RobotState& state) {
   return !result_;
 }
 
-/// A program that took the place of ours is left alone: while the arm stands, it moves nothing.
+/// A program that took the place of ours is left alone: while the arm stands, it moves nothing. A
+/// slow start and a slider near nought are no other program.
 void MotionWatch::look_for_other_program(const RobotState& state) {
   const double way_rad = (motion_.goal_rad - motion_.start_rad).cwiseAbs().maxCoeff();
-  const double mean_rad_s = state.speed_scaling * way_rad / std::max(motion_.duration_s, 1e-3);
-  if (!has_begun_ || state.runtime_state != RuntimeState::kPlaying || !state.is_still() ||
+  const double mean_rad_s =
+      state.known_speed_share() * way_rad / std::max(motion_.duration_s, 1e-3);
+  has_moved_ = has_moved_ || (has_begun_ && !state.is_still());
+  if (!has_moved_ || state.runtime_state != RuntimeState::kPlaying || !state.is_still() ||
       has_arrived(state) || mean_rad_s < kSlowestMeanRadS) {
     stands_from_s_.reset();
     return;

@@ -57,6 +57,7 @@ class MotionWatch {
   double longest_s_;                    ///< that the motion may take, by the controller's clock
   std::optional<double> end_by_stamp_;  ///< of that clock, once a package has told the time
   bool has_begun_ = false;
+  bool has_moved_ = false;               ///< since it has begun
   bool is_program_running_ = false;      ///< by the newest package
   std::optional<double> stopped_at_s_;   ///< when the program was first seen not to run any more
   std::optional<double> stands_from_s_;  ///< of the controller's clock: still, short of the goal

@@ -78,7 +78,7 @@ std::vector<std::string> state_outputs(int ack_register) {
 }
 
 std::vector<std::string> newer_outputs() {
-  return {"tcp_offset", "payload", "payload_cog"};
+  return {"tcp_offset", "payload", "payload_cog", "target_speed_fraction"};
 }
 
 RobotState state_of(const RtdeClient& client, int ack_register) {
@@ -98,6 +98,9 @@ RobotState state_of(const RtdeClient& client, int ack_register) {
   state.speed_scaling = client.get<double>("speed_scaling");
   state.digital_outputs = client.get<std::uint64_t>("actual_digital_output_bits");
   state.ack = client.get<std::int32_t>(register_name(ack_register));
+  if (client.has("target_speed_fraction")) {
+    state.slider = client.get<double>("target_speed_fraction");
+  }
   if (client.has("tcp_offset")) {
     state.tcp_offset = pose_of(client.get<std::array<double, 6>>("tcp_offset"));
   }

@@ -28,6 +28,7 @@ struct RobotState {
   std::uint32_t robot_status_bits = 0;
   std::uint32_t safety_status_bits = 0;
   double speed_scaling = 0.0;
+  std::optional<double> slider;  ///< of the pendant, 0 to 1; none: the controller does not tell
   std::uint64_t digital_outputs = 0;
   std::int32_t ack = 0;                         ///< of the register that scripts write
   std::optional<Eigen::Isometry3d> tcp_offset;  ///< none: the controller's software is too old
@@ -35,6 +36,9 @@ struct RobotState {
   std::optional<Eigen::Vector3d> payload_cog_mm;
 
   bool is_program_running() const;
+
+  /// Of the speed that a program asks for; 0 where the slider is not known.
+  double known_speed_share() const { return speed_scaling * slider.value_or(0.0); }
 
   /// No joint is faster than 1e-3 rad/s.
   bool is_still() const;

@@ -95,12 +95,22 @@ void UrDriver::send_stop(const MotionResult& result, double now_s) {
   stopping_ = Stopping{.by_s = now_s + kStopTimeoutS, .result = result, .quiet_from_s = {}};
 }
 
+/// Of a stop that was sent, after which nobody tells whether the arm stands.
+MotionResult UrDriver::blind_result(const MotionResult& result) const {
+  if (result.outcome == MotionOutcome::kDone) {
+    return *lost_;
+  }
+  return {
+      .outcome = result.outcome,
+      .text = fmt::format("{}; whether the arm stands is not known: {}", result.text, lost_->text)};
+}
+
 void UrDriver::look_at_stop(double now_s) {
   if (!stopping_ || !stopping_->is_taken) {
     return;
   }
   if (is_blind_) {
-    result_ = stopping_->result;
+    result_ = blind_result(stopping_->result);
   } else if (state_->is_program_running() || !state_->is_still()) {
     stopping_->quiet_from_s.reset();
   } else {
@@ -217,7 +227,8 @@ std::optional<MotionResult> UrDriver::begin(const CheckedMotion& motion, double 
   motion_output_ = motion_script(motion, settings_.ack_register, ack);
   result_.reset();
   still_ = StillPoseRule();
-  watch_.emplace(motion, ack, arm_, settings_, state_->speed_scaling, now_s);
+  watch_.emplace(
+      motion, ack, arm_, settings_, state_->speed_scaling * state_->slider.value_or(1.0), now_s);
   return std::nullopt;
 }
 
@@ -243,7 +254,8 @@ void UrDriver::interrupt(double now_s) {
 
 void UrDriver::explain_timeout(const std::string& why) {
   if (result_ && result_->outcome == MotionOutcome::kTimeout) {
-    result_ = MotionResult{.outcome = MotionOutcome::kProgramStopped, .text = why};
+    result_ = MotionResult{.outcome = MotionOutcome::kProgramStopped,
+                           .text = fmt::format("{} ({})", why, result_->text)};
     halted_ = result_;
   }
 }

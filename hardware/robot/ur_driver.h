@@ -90,6 +90,7 @@ class UrDriver {
   void look_at_motion(double now_s);
   void send_stop(const MotionResult& result, double now_s);
   void look_at_stop(double now_s);
+  MotionResult blind_result(const MotionResult& result) const;
   void lose(const std::string& why);
 
   UrSettings settings_;

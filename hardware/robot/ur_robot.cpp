@@ -88,20 +88,24 @@ struct UrRobot::Impl {
   /// A stop that is due when the connection is gone is sent on a new one: the controller goes on
   /// with the motion that it has.
   void send_last_stop() {
-    std::string output;
     {
       const std::lock_guard lock(mutex);
-      output = driver.take_script_output();
+      if (std::string output = driver.take_script_output(); !output.empty()) {
+        last_stop = std::move(output);
+      } else if (driver.result()) {
+        last_stop.clear();
+      }
     }
-    if (output.empty()) {
+    if (last_stop.empty()) {
       return;
     }
     try {
       TcpLink link(driver.settings().host, driver.settings().primary_port, kWriteS);
-      link.write(output, kWriteS);
+      link.write(last_stop, kWriteS);
       link.finish(kWriteS);
+      last_stop.clear();
     } catch (const IoError&) {
-      return;  // there is nobody to stop; the result says that the link is lost
+      return;  // tried again until there is a result, which says that the link is lost
     }
   }
 
@@ -183,6 +187,7 @@ struct UrRobot::Impl {
   std::unique_ptr<TcpLink> primary;
   bool has_primary = true;  ///< it is not lost; the reader's alone
   bool has_sent = false;    ///< a script; the reader's alone
+  std::string last_stop;    ///< that nobody has got yet; the reader's alone
   std::uint64_t rounds = 0;
   bool has_ended = false;  ///< the reader
   std::string failure;
@@ -225,6 +230,14 @@ std::optional<RobotState> UrRobot::state() const {
   return impl_->driver.state(impl_->now_s());
 }
 
+namespace {
+
+MotionResult interrupted() {
+  return {.outcome = MotionOutcome::kRefused, .text = "interrupted"};
+}
+
+}  // namespace
+
 MotionResult UrRobot::run(const Begin& begin) {
   std::unique_lock lock(impl_->mutex);
   if (auto refusal = begin(impl_->driver, impl_->now_s())) {
@@ -245,7 +258,7 @@ MotionResult UrRobot::run(const Begin& begin) {
 std::optional<MotionResult> UrRobot::refusal() {
   using enum MotionOutcome;
   if (is_interrupted()) {
-    return MotionResult{.outcome = kRefused, .text = "interrupted"};
+    return interrupted();
   }
   {
     const std::lock_guard lock(impl_->mutex);
@@ -253,13 +266,18 @@ std::optional<MotionResult> UrRobot::refusal() {
       return why;
     }
   }
-  try {
-    std::string why = impl_->remote_problem();
-    return why.empty() ? std::nullopt
-                       : std::optional(MotionResult{.outcome = kRefused, .text = std::move(why)});
-  } catch (const IoError& error) {
-    return MotionResult{.outcome = kRefused, .text = error.what()};
+  for (bool is_last : {false, true}) {  // a busy dashboard is asked twice
+    try {
+      std::string why = impl_->remote_problem();
+      return why.empty() ? std::nullopt
+                         : std::optional(MotionResult{.outcome = kRefused, .text = std::move(why)});
+    } catch (const IoError& error) {
+      if (is_last) {
+        return MotionResult{.outcome = kRefused, .text = error.what()};
+      }
+    }
   }
+  return std::nullopt;
 }
 
 // Looking along the way takes a while, in which the reader goes on.
@@ -272,8 +290,9 @@ MotionResult UrRobot::move(const std::function<CheckedMotion(const RobotState&)>
     std::unique_lock lock(impl_->mutex);
     impl_->wait_for_round(lock);
   }
-  return explained(
-      run([&](UrDriver& driver, double now_s) { return driver.begin(motion, now_s); }));
+  return explained(run([&](UrDriver& driver, double now_s) {
+    return is_interrupted() ? std::optional(interrupted()) : driver.begin(motion, now_s);
+  }));
 }
 
 /// A controller in local mode takes no scripts, and does not say so.

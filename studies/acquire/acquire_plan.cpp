@@ -207,7 +207,7 @@ AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_
   check_any_taken(work.views);
   work.plan.tour = tour_of(work.views, cell);
   check_legs(work.plan.tour, cell, speed_share);
-  if (source.plan) {
+  if (source.plan && !source.is_plan_free) {
     check_free(work.views, source, cell);
   }
   if (source.scene) {

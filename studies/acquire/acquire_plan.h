@@ -21,6 +21,7 @@ struct AcquireSource {
   std::optional<SceneSettings> scene;
   std::optional<ViewPlan> plan;  ///< none: of a scene that lies in the cell its viewpoints, else
                                  ///< the cell's own views
+  bool is_plan_free = false;     ///< somebody has looked at its paths in this cell already
 };
 
 /// @param path  a scene or study, plan.json, or a folder that holds plan.json or scene.toml; empty:

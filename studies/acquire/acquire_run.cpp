@@ -70,6 +70,7 @@ Prepared prepare(const AcquireOptions& options) {
   ready.source = read_source(options.source);
   if (options.plan) {
     ready.source.plan = options.plan;
+    ready.source.is_plan_free = true;
   }
   ready.work = work_of(ready.source, ready.cell, options.speed_share);
   const fs::path named = options.source.empty() ? options.cell : options.source;
@@ -135,6 +136,19 @@ bool is_whole(const Prepared& ready) {
   });
 }
 
+/// Whether acquired.json was written after the last picture was taken, and each view has its mean.
+bool tells_all(const Prepared& ready) {
+  const Acquired acquired = read_acquired(ready.folder);
+  return std::ranges::all_of(ready.work.plan.tasks, [&](const ViewTask& task) {
+    const fs::path mean = acquired.aspect_of(task.name);
+    std::error_code none;
+    return std::ranges::all_of(
+               task.positions,
+               [&](int position) { return is_there(acquired.pictures, task, position); }) &&
+           fs::exists(mean) && fs::file_size(mean, none) > 0;
+  });
+}
+
 /// What a folder tells in which nothing is missing: nobody has to move for it. Empty: something is,
 /// or it was cut short before it could tell.
 std::optional<Json> nothing_to_take(const Prepared& ready) {
@@ -143,7 +157,7 @@ std::optional<Json> nothing_to_take(const Prepared& ready) {
     return std::nullopt;
   }
   Json told = Json::parse(read_file(file), nullptr, false);
-  if (!told.is_object() || told.value("status", "stopped") == "stopped") {
+  if (!told.is_object() || told.value("status", "stopped") == "stopped" || !tells_all(ready)) {
     return std::nullopt;
   }
   told["counts"]["resumed"] = told["counts"]["accepted"];

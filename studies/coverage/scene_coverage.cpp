@@ -30,13 +30,24 @@ CellState state_in_light(const PlaceLight& light, const CoverageSettings& settin
                                                                       : CellState::kInspected;
 }
 
-/// With the exposure that its pictures have.
-SceneSettings exposed(SceneStore& store, SceneSettings scene) {
-  if (scene.expose_to > 0.0) {
-    SceneSettings flawless = scene;
-    flawless.defects.clear();
-    scene.sensor = with_equal_exposure(store, first_view(store, flawless)).sensor;
-    scene.expose_to = 0.0;
+/// With the exposure that the pictures have of the first view that can be exposed; as it is where
+/// none can: it is dark then.
+SceneSettings exposed(SceneStore& store,
+                      SceneSettings scene,
+                      const std::vector<Viewpoint>& viewpoints) {
+  SceneSettings flawless = scene;
+  flawless.defects.clear();
+  flawless.viewpoint_set.source = ViewpointSource::kListed;
+  for (const Viewpoint& viewpoint : viewpoints) {
+    if (scene.expose_to <= 0.0) {
+      break;
+    }
+    flawless.viewpoints = {viewpoint};
+    try {
+      scene.sensor = with_equal_exposure(store, flawless).sensor;
+      scene.expose_to = 0.0;
+    } catch (const ConfigError&) {  // no light comes from there
+    }
   }
   return scene;
 }
@@ -50,7 +61,7 @@ class Covering {
     result_.has_light = scene.coverage.has_light && is_lit(scene);
     if (result_.has_light) {
       check_part_in_tunnel(store, scene);
-      scene_ = exposed(store, scene);
+      scene_ = exposed(store, scene, result_.viewpoints);
     }
     result_.cells = surface_cells(result_.part->part, scene.coverage.points, scene.coverage.seed);
     result_.visibility = Visibility(result_.viewpoints.size(), result_.cells.size());

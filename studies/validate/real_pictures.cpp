@@ -43,8 +43,10 @@ RealView real_view(const Acquired& acquired, const std::string& view) {
 
 /// A view that has frames of a scan and no mean of them all: no single frame is its picture.
 bool is_cut_short(const Acquired& acquired, const std::string& view) {
-  const auto pictures = acquired.of_view(view);
-  const bool is_of_scan = pictures.size() > 1 || pictures.front().position != 0;
+  const bool is_of_scan =
+      std::ranges::any_of(acquired.pictures, [&](const AcquiredPicture& picture) {
+        return picture.view == view && picture.position != 0;
+      });
   return (is_of_scan || acquired.status == "stopped") && !is_there(acquired.aspect_of(view));
 }
 
@@ -63,8 +65,9 @@ RealDesign read_acquired_design(const std::string& name, const fs::path& folder)
     design.views.push_back(real_view(acquired, view));
   }
   if (design.views.empty()) {
-    throw ConfigError(
-        fmt::format("{}: has no accepted picture", (folder / "acquired.json").string()));
+    const char* const why =
+        acquired.views().empty() ? "has no accepted picture" : "has no view whose scan is whole";
+    throw ConfigError(fmt::format("{}: {}", (folder / "acquired.json").string(), why));
   }
   const auto rejected = std::ranges::count(acquired.pictures, false, &AcquiredPicture::is_accepted);
   if (rejected > 0) {

@@ -168,6 +168,33 @@ TEST(PoseFile, ReadsTheColumnsOfATableByTheirNames) {
   expect_pose(read("x,y,z,u1,u2,u3\n400,0,0,1,0,0\n", ".csv"), "");
 }
 
+// Rx(1) Ry(0.5) Rz(0): whatever the order of the columns, each name settles its axis.
+TEST(PoseFile, AnglesWithNamesKeepTheirAxesInAnotherOrder) {
+  PoseConvention said;
+  said.rotation = PoseRotation::kEuler;
+  said.euler_order = "xyz";
+  const Eigen::Matrix3d right = (Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitX()) *
+                                 Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()))
+                                    .toRotationMatrix();
+  for (const char* text : {"x,y,z,roll,pitch,yaw\n400,0,0,1,0.5,0\n",
+                           "x,y,z,yaw,pitch,roll\n400,0,0,0,0.5,1\n",
+                           "x,y,z,r,p,y\n400,0,0,1,0.5,0\n"}) {
+    const RobotPoses poses = read(text, ".csv", said);
+    EXPECT_LT((poses.poses[0].base_from_flange.linear() - right).norm(), 1e-9) << text;
+  }
+}
+
+TEST(PoseFile, SmallAnglesAreDegreesWhereTheirColumnsSaySo) {
+  const RobotPoses poses = read(
+      "x_mm,y_mm,z_mm,rx_deg,ry_deg,rz_deg\n400,0,0,1,0,0\n400,9,0,2,0,0\n400,0,9,0,3,0\n", ".csv");
+  EXPECT_EQ(poses.convention.angle, PoseAngle::kDegree);
+}
+
+TEST(PoseFile, RefusesAnglesInAnotherOrderThanTheirNames) {
+  EXPECT_THAT(file_error("x,y,z,rz,ry,rx\n1,2,3,0,0,0\n", ".csv"),
+              HasSubstr("robot_1.csv:1:1: rotation: \"rz\", \"ry\" and \"rx\" may be"));
+}
+
 TEST(PoseFile, RefusesATableWhoseNamesContradictTheirPositions) {
   EXPECT_THAT(file_error("z,y,x,u1,u2,u3\n1,2,3,0,0,0\n", ".csv"),
               HasSubstr("robot_1.csv:1:1: pose: \"z\" is the name of number 1"));

@@ -132,14 +132,22 @@ TEST(MotionWatch, StopsAnArmThatLeavesItsWay) {
   EXPECT_TRUE(motion.watch.must_stop());
 }
 
-// A slider at nought and a paused program hold the arm without another program.
+// A slider at nought, one that is not known, and a paused program hold the arm without another
+// program; so does a start that is slow.
 TEST(MotionWatch, NamesAnotherProgramByAnArmThatStands) {
-  for (const int kind : {0, 1, 2}) {
+  for (const int kind : {0, 1, 2, 3, 4, 5}) {
     WatchedMotion motion;
     for (int i = 0; i < 50; ++i) {
       RobotState state = motion.package(0.1 + 0.008 * i, 0.0);
       state.actual_qd_rad_s.setZero();
+      if (i == 0 && kind != 5) {
+        state.actual_qd_rad_s[0] = 0.1;
+      }
       state.speed_scaling = kind == 1 ? 0.0 : 1.0;
+      state.slider = kind == 3 ? std::optional(0.01) : std::optional(1.0);
+      if (kind == 4) {
+        state.slider.reset();
+      }
       state.runtime_state = kind == 2 ? RuntimeState::kPaused : RuntimeState::kPlaying;
       motion.watch.on_package(state, state.timestamp_s);
     }

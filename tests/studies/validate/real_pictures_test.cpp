@@ -86,7 +86,7 @@ TEST(RealPictures, LeavesOutAScanThatWasCutShort) {
   EXPECT_THAT(design.notes, testing::Contains(HasSubstr("ring: a is not whole")));
   json["status"] = "stopped";
   write_file(folder.path() / "acquired.json", json.dump());
-  EXPECT_THAT(error_of(folder.path()), HasSubstr("has no accepted picture"));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("has no view whose scan is whole"));
 }
 
 TEST(RealPictures, ReadsTheStepOfTheCameraOffTheFirstFrame) {

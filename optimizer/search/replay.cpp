@@ -227,7 +227,7 @@ Event SearchMemory::tell_next(const Goal& goal) {
     return event;
   }
   num_told = number;
-  ++since_better;
+  since_better = number > num_archived ? since_better + 1 : 0;
   if (outcome.is_failed) {
     ++num_failed;
     return event;

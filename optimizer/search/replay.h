@@ -27,7 +27,7 @@ struct SearchMemory {
   int num_reused = 0;              ///< asks for a known trial
   int num_idle = 0;                ///< the same, since the last ask for a new one
   int num_archived = 0;            ///< trials that the epoch began with
-  int since_better = 0;            ///< told trials since `surely_best`
+  int since_better = 0;            ///< told trials since `surely_best`, none of the archived ones
   std::optional<int> best;         ///< number of the best told trial
   std::optional<int>
       surely_best;                ///< the last told one that beat the one before by more than noise

@@ -27,6 +27,7 @@ struct Part {
   int evaluations = 0;
   bool is_wide = false;
   int reviewed_at = 1000;  ///< told designs with which outcomes turn out to be wrong, once
+  int stall = 0;
 };
 
 class Program {
@@ -43,7 +44,7 @@ class Program {
     SearchTask task = {.space = part.is_wide ? box(3, -0.5, 2.0) : box(3, 0.0, 1.0),
                        .settings = {.algorithm = algorithm_, .batch = 2},
                        .goal = {.objective = {.name = "loss", .is_maximised = false}},
-                       .budget = {.evaluations = part.evaluations},
+                       .budget = {.evaluations = part.evaluations, .stall = part.stall},
                        .verify_replay = verifies_};
     task.review = [&](std::span<const Trial> told) -> std::optional<Event> {
       if (!is_wrong || static_cast<int>(told.size()) < part.reviewed_at) {
@@ -113,6 +114,19 @@ TEST(SpaceEpoch, OutcomesStayAndTheSearchGoesOnBeyond) {
     }
     EXPECT_LT(result.best->outcome->scores.at("loss"), 0.5 * narrow) << algorithm;
     EXPECT_GT(*std::ranges::max_element(result.best->point), 1.0) << algorithm;
+  }
+}
+
+// The designs that the epoch begins with are told once more. They are no search without progress.
+TEST(SpaceEpoch, ARunThatEndedByItsStallSearchesTheWiderSpace) {
+  for (const char* algorithm : {"random", "sobol"}) {
+    const TemporaryFolder folder;
+    Program program(folder, algorithm);
+    const SearchResult narrow = program.run({.evaluations = 300, .stall = 6});
+    ASSERT_EQ(narrow.termination, Termination::kStall) << algorithm;
+    program.widen();
+    const SearchResult wide = program.run({.evaluations = 300, .is_wide = true, .stall = 6});
+    EXPECT_GE(wide.evaluations, narrow.evaluations + 6) << algorithm;
   }
 }
 

@@ -60,10 +60,10 @@ class Run {
     check_accuracy_choice(study_, !options_.from.empty());
     OutputFolder folder(options_.out);
     Storage storage = open_storage();
+    write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     remove_unfinished_files(options_.out);
     configure_run_log();
     keep_taken(study_, taken, options_.out, storage);
-    write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     SearchResult search;
     const double search_start = process_cpu_s();
     if (study_.has_search()) {

@@ -171,12 +171,6 @@ void keep_taken(const Study& study,
   if (taken.from.empty()) {
     return;
   }
-  if (!storage.events().empty()) {
-    throw ConfigError(
-        fmt::format("--from {}: the run in {} has begun without; give another folder with --out",
-                    taken.from.string(),
-                    out.string()));
-  }
   const fs::path unfinished = out / (std::string(kTakenTrials) + ".part");
   fs::remove(unfinished);
   {
@@ -203,7 +197,16 @@ void keep_taken(const Study& study,
 }
 
 TakenTrials trials_to_take(const Study& study, const fs::path& from, const fs::path& out) {
-  return from.empty() || fs::exists(out / kTakenTrials) ? TakenTrials{} : trials_from(study, from);
+  if (from.empty() || fs::exists(out / kTakenTrials)) {
+    return {};
+  }
+  const fs::path database = out / "study.sqlite";
+  if (fs::exists(database) && !Storage::read(database).events().empty()) {
+    throw refusal(from,
+                  fmt::format("the run in {} has begun without; give another folder with --out",
+                              out.string()));
+  }
+  return trials_from(study, from);
 }
 
 std::map<Point, Outcome> begin_with_taken(const fs::path& out, SearchTask& task) {

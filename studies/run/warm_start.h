@@ -35,13 +35,13 @@ struct TakenTrials {
 TakenTrials trials_from(const Study& study, const std::filesystem::path& run);
 
 /// The same for a run that is to begin with --from; empty without it, and where the run's folder
-/// has its trials already.
+/// has its trials already. @throws ConfigError also when that run has begun without them
 TakenTrials trials_to_take(const Study& study,
                            const std::filesystem::path& from,
                            const std::filesystem::path& out);
 
 /// Puts them into the folder of a run that has not begun, and a note into its log; nothing where
-/// nothing was taken. @throws ConfigError when it has begun; IoError
+/// nothing was taken. @throws IoError
 void keep_taken(const Study& study,
                 const TakenTrials& taken,
                 const std::filesystem::path& out,

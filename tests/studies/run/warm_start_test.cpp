@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/run/warm_start.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -196,6 +198,25 @@ TEST(WarmStart, RefusesWhatMeansSomethingElse) {
       refused(replaced(kFirst, "lighting.ring.radiance.0", "lighting.ring.inner_radius_mm")),
       HasSubstr("is a variable here, but not there"));
   EXPECT_THROW(run_into(folder, kWider, "first", first), ConfigError) << "it has begun";
+}
+
+// A refusal leaves the run as it was, also where the study would have widened its space.
+TEST(WarmStart, ARunThatHasBegunWithoutIsRefusedBeforeItsSpaceIsWidened) {
+  const TemporaryFolder folder;
+  const auto first = run_into(folder, kFirst, "first");
+  const auto second = run_into(folder, kFirst, "second");
+  const std::string wider =
+      replaced(replaced(kFirst, "max = 40", "max = 60"), "evaluations = 12", "evaluations = 20");
+  try {
+    run_into(folder, wider, "second", first);
+    ADD_FAILURE() << "it has begun";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("has begun without"));
+  }
+  const Storage storage = Storage::read(second / "study.sqlite");
+  EXPECT_EQ(std::ranges::count(storage.events(), EventKind::kEpoch, &Event::kind), 0);
+  EXPECT_THAT(storage.identity().config_text, HasSubstr("max = 40"));
+  EXPECT_THAT(read_file(second / "study.resolved.toml"), HasSubstr("max = 40"));
 }
 
 }  // namespace

@@ -148,13 +148,14 @@ std::vector<Point> archived_points(const Storage& storage) {
   return points;
 }
 
-/// What the algorithm is asked to begin with. By rules 4 and before a start point that is given
-/// twice is asked and told twice.
+/// What the algorithm is asked to begin with: what was asked before, and start points that were
+/// not, as an epoch may begin before all are asked. By rules 4 and before a start point that is
+/// given twice is asked and told twice, and an epoch drops what was not asked.
 std::vector<Point> first_points(const SearchTask& task, const std::vector<Point>& archived) {
-  if (!archived.empty() || task.settings.rules < 5) {
+  if (task.settings.rules < 5) {
     return archived.empty() ? task.start_points : archived;
   }
-  std::vector<Point> points;
+  std::vector<Point> points = archived;
   for (const Point& start : task.start_points) {
     const Point point = canonical(task.space, start);
     if (std::ranges::find(points, point) == points.end()) {

@@ -45,6 +45,7 @@ class Program {
                        .settings = {.algorithm = algorithm_, .batch = 2},
                        .goal = {.objective = {.name = "loss", .is_maximised = false}},
                        .budget = {.evaluations = part.evaluations, .stall = part.stall},
+                       .start_points = start_points,
                        .verify_replay = verifies_};
     task.review = [&](std::span<const Trial> told) -> std::optional<Event> {
       if (!is_wrong || static_cast<int>(told.size()) < part.reviewed_at) {
@@ -85,6 +86,7 @@ class Program {
   }
 
   int calls = 0;
+  std::vector<Point> start_points;
 
  private:
   const TemporaryFolder& folder_;
@@ -128,6 +130,25 @@ TEST(SpaceEpoch, ARunThatEndedByItsStallSearchesTheWiderSpace) {
     const SearchResult wide = program.run({.evaluations = 300, .is_wide = true, .stall = 6});
     EXPECT_GE(wide.evaluations, narrow.evaluations + 6) << algorithm;
   }
+}
+
+// The budget ended before all of them were asked.
+TEST(SpaceEpoch, StartPointsThatWereNotAskedYetAreAskedInTheWiderSpace) {
+  const TemporaryFolder folder;
+  Program program(folder, "random");
+  for (const double x : {0.1, 0.2, 0.3, 0.4, 0.5}) {
+    program.start_points.push_back({x, x, x});
+  }
+  program.run({.evaluations = 2});
+  ASSERT_EQ(trials_in(folder).size(), 2U);
+  program.widen();
+  program.run({.evaluations = 6, .is_wide = true});
+  const std::vector<Trial> after = trials_in(folder);
+  ASSERT_GE(after.size(), 6U);
+  for (std::size_t k = 0; k < 5; ++k) {
+    EXPECT_EQ(after[k].point, program.start_points[k]) << k;
+  }
+  EXPECT_EQ(std::ranges::count(after, program.start_points[0], &Trial::point), 1);
 }
 
 /// A space epoch before and after one that withdraws all outcomes, cut short anywhere.

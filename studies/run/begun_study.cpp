@@ -2,6 +2,7 @@
 #include "studies/run/begun_study.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -18,6 +19,9 @@ namespace glint {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// Steps from another begin come to the same value but for its last digits.
+constexpr double kSameStep = 1e-9;
 
 /// How the limits and choices of variables differ from those of a run that has been begun.
 struct SpaceChange {
@@ -36,6 +40,12 @@ std::optional<double> value_here(const Variable& here, const Variable& there, do
   return found == here.choices.end()
              ? std::nullopt
              : std::optional(static_cast<double>(found - here.choices.begin()));
+}
+
+/// Whether a value is one that the variable can have.
+bool is_allowed_value(const Variable& variable, double allowed, double value) {
+  const double slack = variable.step > 0.0 ? kSameStep * (1.0 + std::abs(value)) : 0.0;
+  return std::abs(allowed - value) <= slack;
 }
 
 /// The study as its run was begun; nothing where the folder does not tell.
@@ -221,7 +231,8 @@ std::optional<Point> point_here(const SearchSpace& here,
   const Point allowed = canonical(here, point);
   for (std::size_t i = 0; i < point.size(); ++i) {
     const bool active = is_active(here, allowed, i);
-    if (active != was_active[i] || (active && allowed[i] != point[i])) {
+    if (active != was_active[i] ||
+        (active && !is_allowed_value(here.variables[i], allowed[i], point[i]))) {
       return std::nullopt;
     }
   }

@@ -159,5 +159,20 @@ TEST(BegunStudy, AWiderRangeWhoseStepsHaveShiftedIsRefused) {
   EXPECT_EQ(epochs_in(folder), 1);
 }
 
+// 0.2 + 4 * 0.1 and 0.1 + 5 * 0.1 differ in the last digit.
+TEST(BegunStudy, StepsFromALowerMinComeToTheSameValues) {
+  const auto stepped = [](double low) {
+    return SearchSpace{{{.name = "x", .low = low, .high = 1.0, .step = 0.1}}};
+  };
+  for (int k = 0; k <= 8; ++k) {
+    const Point before = canonical(stepped(0.2), Point{0.2 + 0.1 * k});
+    const auto now = point_here(stepped(0.1), stepped(0.2), before);
+    ASSERT_TRUE(now.has_value()) << before[0];
+    EXPECT_EQ(*now, canonical(stepped(0.1), before)) << "a value of the wider space, bit for bit";
+    EXPECT_NEAR(now->front(), before[0], 1e-12);
+    EXPECT_FALSE(point_here(stepped(0.15), stepped(0.2), before).has_value());
+  }
+}
+
 }  // namespace
 }  // namespace glint

@@ -160,15 +160,6 @@ void remove_database(const fs::path& database) {
   }
 }
 
-void become_wider(Storage& storage,
-                  const Study& study,
-                  const SpaceChange& change,
-                  const StudyIdentity& identity) {
-  storage.become(identity,
-                 points_here(study, change, storage),
-                 {.kind = EventKind::kEpoch, .text = "a wider space: " + join(change.wider, "; ")});
-}
-
 /// Nothing where anything else differs too, or where the study has [accuracy]: the way to render
 /// was chosen for the space as it was.
 std::optional<SpaceChange> space_change(const Study& study,
@@ -186,22 +177,44 @@ std::optional<SpaceChange> space_change(const Study& study,
   return change.wider.empty() && change.problems.empty() ? std::nullopt : std::optional(change);
 }
 
+/// A database of a run, and its trials as points of the wider space.
+struct WiderRecord {
+  Storage storage;
+  std::vector<Point> points;
+};
+
+/// Of all databases but for those that a killed run has widened. The study's is opened first, so
+/// that no other program runs it, and changed last, so that a killed run does it again.
+std::vector<WiderRecord> wider_records(const Study& study,
+                                       const SpaceChange& change,
+                                       const StudyIdentity& identity,
+                                       const fs::path& run) {
+  std::vector<WiderRecord> records;
+  for (const char* name : {"study.sqlite", kTakenTrials, kAddedDesigns}) {
+    if (!fs::exists(run / name)) {
+      continue;
+    }
+    Storage storage = open_recorded(run / name);
+    if (storage.identity().config_hash != identity.config_hash) {
+      std::vector<Point> points = points_here(study, change, storage);
+      records.push_back({std::move(storage), std::move(points)});
+    }
+  }
+  std::ranges::reverse(records);
+  return records;
+}
+
 void widen_space(const Study& study,
                  const SpaceChange& change,
                  const StudyIdentity& identity,
                  const fs::path& run) {
-  Storage searched = open_recorded(run / "study.sqlite");  // no other program runs it
-  points_here(study, change, searched);
+  std::vector<WiderRecord> records = wider_records(study, change, identity, run);
   remove_database(run / kBuiltTrials);
-  for (const char* beside : {kAddedDesigns, kTakenTrials}) {
-    if (fs::exists(run / beside)) {
-      Storage storage = open_recorded(run / beside);
-      if (storage.identity().config_hash != identity.config_hash) {  // else a killed run did it
-        become_wider(storage, study, change, identity);
-      }
-    }
+  const Event epoch = {.kind = EventKind::kEpoch,
+                       .text = "a wider space: " + join(change.wider, "; ")};
+  for (WiderRecord& record : records) {
+    record.storage.become(identity, record.points, epoch);
   }
-  become_wider(searched, study, change, identity);
 }
 
 std::string what_may_change(const Study& study) {

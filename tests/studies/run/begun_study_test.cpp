@@ -159,6 +159,23 @@ TEST(BegunStudy, AWiderRangeWhoseStepsHaveShiftedIsRefused) {
   EXPECT_EQ(epochs_in(folder), 1);
 }
 
+// All databases are looked at before anything is changed.
+TEST(BegunStudy, ADesignBesideTheRunThatTheWiderSpaceDoesNotHoldChangesNothing) {
+  const TemporaryFolder folder;
+  const std::string stepped = replaced(kBegun, "max = 40,", "max = 40, step = 4,");
+  run_in(folder, stepped);
+  {
+    Storage added = Storage::open(folder / "run" / kAddedDesigns, record_in(folder).identity());
+    added.append(std::vector<Event>{{.kind = EventKind::kAsk, .trial = 1}},
+                 std::vector<Trial>{{.number = 1, .point = {0.0, 21.0, 20.0}}});
+  }
+  write_file(folder / "run" / kBuiltTrials, "as built");
+  EXPECT_THAT(refusal_in(folder, replaced(stepped, "min = 20", "min = 16")),
+              HasSubstr("does not hold trial 1"));
+  EXPECT_EQ(read_file(folder / "run" / kBuiltTrials), "as built");
+  EXPECT_EQ(epochs_in(folder), 0);
+}
+
 // 0.2 + 4 * 0.1 and 0.1 + 5 * 0.1 differ in the last digit.
 TEST(BegunStudy, StepsFromALowerMinComeToTheSameValues) {
   const auto stepped = [](double low) {

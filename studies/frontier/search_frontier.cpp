@@ -35,6 +35,21 @@ Study variant_of(const Study& study, const std::string& method, int seed) {
   return variant;
 }
 
+/// Of a search as its folder knows it: earlier programs counted prototypes.
+StudyIdentity identity_in(const std::filesystem::path& database, const Study& variant) {
+  StudyIdentity identity = {.config_hash = config_hash(variant),
+                            .config_text = resolved_text(variant),
+                            .code_version = "",
+                            .seed = variant.search.seed};
+  if (std::filesystem::exists(database)) {
+    const StudyIdentity recorded = Storage::read(database).identity();
+    if (is_recorded_as(variant, recorded.config_hash, recorded.config_text)) {
+      identity.config_hash = recorded.config_hash;
+    }
+  }
+  return identity;
+}
+
 bool is_judgeable(const Goal& goal, const Trial& trial) {
   return trial.outcome && !trial.outcome->is_failed &&
          problem_with(goal, trial.outcome->scores).empty();
@@ -109,11 +124,8 @@ class SearchMeasuring {
   }
 
   void search(const Study& variant, std::size_t m, const std::string& name) {
-    Storage storage = Storage::open(database_of(variant),
-                                    {.config_hash = config_hash(variant),
-                                     .config_text = resolved_text(variant),
-                                     .code_version = "",
-                                     .seed = variant.search.seed});
+    const std::filesystem::path database = database_of(variant);
+    Storage storage = Storage::open(database, identity_in(database, variant));
     std::atomic<int> interrupt = seconds() > kSearchShare * options_.budget_s ? 1 : 0;
     const auto watch = [&](const SearchProgress& /*progress*/) {
       ++evaluated_;

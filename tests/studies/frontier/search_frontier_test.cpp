@@ -124,6 +124,16 @@ TEST(MeasureSearches, GoesOnWithWhatTheBudgetCut) {
   EXPECT_EQ(searches_json(study, resumed), searches_json(study, whole));
 }
 
+// As earlier programs, which counted prototypes; the title is counted by all.
+TEST(MeasureSearches, GoesOnWithAFolderThatKnowsTheStudyByAnotherHash) {
+  const TemporaryFolder folder;
+  searched(tunnel_study(folder, {{"title", "\"Once\""}}), folder / "s", 600.0, {"random"});
+  const Study renamed = tunnel_study(folder, {{"title", "\"Now\""}});
+  const SearchFrontier again = searched(renamed, folder / "s", 600.0, {"random"});
+  EXPECT_EQ(again.methods[0].problem, "");
+  EXPECT_EQ(again.methods[0].runs.size(), 3U);
+}
+
 TEST(MeasureSearches, RefusesWhatHasNoSearchAndNamesMethodsThatCannot) {
   const TemporaryFolder folder;
   try {

@@ -124,35 +124,31 @@ class RungEvaluator {
           {trial_name(trial.number), overrides_of(task.study, trial.point), trial.point});
     }
     std::ranges::copy(candidates_of(task.study), std::back_inserter(candidates_));
-    for (const TriedDesign& candidate : candidates_) {
-      is_of_ladder_.push_back(is_of_ladder(task.study, ladder_, candidate));
-    }
   }
 
   const std::vector<TriedDesign>& candidates() const { return candidates_; }
 
-  std::vector<std::optional<Scores>> scores(std::size_t step,
-                                            std::span<const std::size_t> candidates) {
-    std::vector<std::size_t> of_ladder;
-    std::ranges::copy_if(candidates, std::back_inserter(of_ladder), [&](std::size_t candidate) {
-      return is_of_ladder_[candidate];
-    });
-    evaluate_all(step, of_ladder);
-    std::vector<std::optional<Scores>> found;
-    for (const std::size_t candidate : candidates) {
-      const Outcome* known = is_of_ladder_[candidate] ? find(step, candidate) : nullptr;
-      found.push_back(known == nullptr || known->is_failed ? std::optional<Scores>()
-                                                           : known->scores);
+  /// The candidates on which the rungs differ; all rungs render the others alike.
+  std::vector<std::size_t> of_ladder() const {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      if (is_of_ladder(task_.study, ladder_, candidates_[i])) {
+        found.push_back(i);
+      }
     }
     return found;
   }
 
-  /// How many of the first candidates every rung renders alike.
-  std::size_t num_alike(std::size_t candidates) const {
-    return static_cast<std::size_t>(
-        std::count(is_of_ladder_.begin(),
-                   is_of_ladder_.begin() + static_cast<std::ptrdiff_t>(candidates),
-                   false));
+  std::vector<std::optional<Scores>> scores(std::size_t step,
+                                            std::span<const std::size_t> candidates) {
+    evaluate_all(step, candidates);
+    std::vector<std::optional<Scores>> found;
+    for (const std::size_t candidate : candidates) {
+      const Outcome* known = find(step, candidate);
+      found.push_back(known == nullptr || known->is_failed ? std::optional<Scores>()
+                                                           : known->scores);
+    }
+    return found;
   }
 
   const Outcome& outcome(std::size_t step, std::size_t candidate) const {
@@ -228,19 +224,20 @@ class RungEvaluator {
   const std::vector<RenderRung>& ladder_;
   std::optional<std::string> begun_;
   std::vector<TriedDesign> candidates_;
-  std::vector<bool> is_of_ladder_;  ///< of each candidate; else all rungs render it alike
   std::mutex mutex_;
   Progress bar_;
   int done_ = 0;
 };
 
-/// @param num_beyond  candidates that come first, beside the twelve
+/// @param num_beyond      designs that are wanted beside the twelve
+/// @param num_candidates  on which the rungs differ
 LadderTask ladder_task(const Study& study,
                        const std::vector<RenderRung>& ladder,
-                       std::size_t num_beyond) {
+                       std::size_t num_beyond,
+                       std::size_t num_candidates) {
   LadderTask task = {.steps = {},
                      .num_designs = kDesigns + num_beyond,
-                     .num_candidates = kCandidates + num_beyond,
+                     .num_candidates = num_candidates,
                      .wish = *study.accuracy,
                      .goal = study.goal};
   for (const RenderRung& rung : ladder) {
@@ -254,6 +251,34 @@ LadderTask ladder_task(const Study& study,
   return task;
 }
 
+/// The choice from candidates that stand at these places of a longer list, whose others all rungs
+/// render alike.
+LadderChoice choice_from(const LadderTask& task,
+                         RungEvaluator& evaluator,
+                         const std::vector<std::size_t>& places) {
+  const auto placed = [&](std::span<const std::size_t> candidates) {
+    std::vector<std::size_t> found;
+    for (const std::size_t candidate : candidates) {
+      found.push_back(places[candidate]);
+    }
+    return found;
+  };
+  LadderChoice choice =
+      try_ladder(task, [&](std::size_t step, std::span<const std::size_t> candidates) {
+        return evaluator.scores(step, placed(candidates));
+      });
+  const std::size_t asked = choice.designs.size() + choice.num_failed;
+  const std::size_t num_all = evaluator.candidates().size();
+  const std::size_t seen = asked < places.size() ? places[asked] : num_all;
+  choice.num_alike = seen - asked;
+  choice.designs = placed(choice.designs);
+  if (choice.designs.size() < kFewestDesigns && choice.num_alike > 0) {
+    choice.problem += fmt::format("; the other {} are mirrors, which all ways to render show alike",
+                                  choice.num_alike);
+  }
+  return choice;
+}
+
 /// @param first_step  of the search: those below are tried, and not taken
 /// @param begun       the rung of a search whose trial is over
 ChosenAccuracy tried(const AccuracyTask& task,
@@ -262,17 +287,12 @@ ChosenAccuracy tried(const AccuracyTask& task,
                      std::size_t first_step,
                      std::optional<std::string> begun = {}) {
   RungEvaluator evaluator(task, record, chosen.ladder, chosen.beyond, std::move(begun));
-  LadderTask ladder = ladder_task(task.study, chosen.ladder, chosen.beyond.size());
+  const std::vector<std::size_t> places = evaluator.of_ladder();
+  LadderTask ladder = ladder_task(task.study, chosen.ladder, chosen.beyond.size(), places.size());
   for (std::size_t step = 0; step < first_step; ++step) {
     ladder.steps[step].is_for_search = false;
   }
-  chosen.choice =
-      try_ladder(ladder, [&](std::size_t step, std::span<const std::size_t> candidates) {
-        return evaluator.scores(step, candidates);
-      });
-  const std::size_t asked = chosen.choice.designs.size() + chosen.choice.num_failed;
-  chosen.choice.num_alike = evaluator.num_alike(asked);
-  chosen.choice.num_failed -= chosen.choice.num_alike;
+  chosen.choice = choice_from(ladder, evaluator, places);
   const std::size_t step = chosen.choice.step;
   const bool is_tried = chosen.choice.steps[step].is_tried;
   for (const std::size_t design : chosen.choice.designs) {

@@ -15,7 +15,6 @@ namespace glint {
 namespace {
 
 constexpr double kErrorsPerHalf = 2.0;  // as objective_noise()
-constexpr std::size_t kFewestDesigns = 3;
 
 std::vector<std::string> names_of_goal(const Goal& goal) {
   std::vector<std::string> names;

@@ -17,6 +17,9 @@
 
 namespace glint {
 
+/// With fewer nothing can be judged.
+inline constexpr std::size_t kFewestDesigns = 3;
+
 /// A way to render, as far as a choice needs to know it.
 struct LadderStep {
   std::string name;

@@ -82,5 +82,30 @@ TEST(ChooseAccuracy, ComparesNoDesignsThatAllRungsRenderAlike) {
   EXPECT_THAT(sentence, HasSubstr("as much counted work as")) << "of a search without a length";
 }
 
+// One rough prototype makes a ladder of paths. The mirrors that are searched did not fail.
+TEST(ChooseAccuracy, ARoughPrototypeBesideMirrorsIsTooFewToCompare) {
+  const TemporaryFolder folder;
+  std::string text = kMixedStudy;
+  const std::string kinds = "lighting_use = { choices = [\"tunnel\", \"ring\"] }\n";
+  text.erase(text.find(kinds), kinds.size());
+  text.insert(text.find("[part]"), "lighting_use = \"tunnel\"\n");
+  write_file(folder / "study.toml", text + "[prototypes.ring]\nlighting_use = \"ring\"\n");
+  const Study study = load_study(folder / "study.toml", {});
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  std::atomic<int> evaluations = 0;
+  const ChosenAccuracy chosen = choose_accuracy(
+      {.study = study, .store = store, .evaluate = [&](const Overrides&, const RenderRung&) {
+         ++evaluations;
+         return Outcome{.scores = {{"homogeneity.mean", 0.5}, {"homogeneity.clipped_share", 0.0}}};
+       }});
+  EXPECT_EQ(evaluations, 1);
+  EXPECT_EQ(chosen.choice.num_failed, 0U);
+  EXPECT_EQ(chosen.choice.num_alike, 47U);
+  EXPECT_EQ(chosen.choice.work, chosen.ladder.back().work) << "of the one that was evaluated";
+  EXPECT_THAT(chosen.choice.problem, HasSubstr("1 of 1 designs can be evaluated"));
+  EXPECT_THAT(chosen.choice.problem, HasSubstr("the other 47 are mirrors"));
+}
+
 }  // namespace
 }  // namespace glint

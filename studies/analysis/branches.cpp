@@ -21,25 +21,44 @@ using Values = std::vector<std::size_t>;
 struct Decision {
   std::size_t variable = 0;
   std::vector<Values> sets;
+  std::vector<std::string> names;  ///< of each set
 };
 
 std::size_t count_of(const Variable& variable) {
   return static_cast<std::size_t>(num_values(variable));
 }
 
-double unit_of_value(std::size_t value, std::size_t count) {
-  return (static_cast<double>(value) + 0.5) / static_cast<double>(count);
+double middle_of_cell(std::size_t cell, std::size_t count) {
+  return (static_cast<double>(cell) + 0.5) / static_cast<double>(count);
 }
 
-std::size_t value_of_unit(double unit, std::size_t count) {
-  const double value = std::floor(unit * static_cast<double>(count));
-  return static_cast<std::size_t>(std::clamp(value, 0.0, static_cast<double>(count - 1)));
+std::size_t cell_of_unit(double unit, std::size_t count) {
+  const double cell = std::floor(unit * static_cast<double>(count));
+  return static_cast<std::size_t>(std::clamp(cell, 0.0, static_cast<double>(count - 1)));
+}
+
+/// Between a value and the next one.
+double step_between(const Variable& variable) {
+  return variable.step > 0.0 ? variable.step : 1.0;
+}
+
+/// Where a value lies in the unit cube: logarithmic ones have cells of other widths.
+double unit_of_value(const SearchSpace& space, std::size_t variable, std::size_t value) {
+  const Variable& of = space.variables[variable];
+  const auto index = static_cast<double>(value);
+  Point point(space.variables.size(), 1.0);
+  point[variable] = of.kind == Variable::Kind::kChoice ? index : of.low + index * step_between(of);
+  return unit_from_point(space, point)[variable];
 }
 
 /// The index of the value that a point has.
 std::size_t value_at(const SearchSpace& space, const Point& point, std::size_t variable) {
-  return value_of_unit(unit_from_point(space, point)[variable],
-                       count_of(space.variables[variable]));
+  const Variable& of = space.variables[variable];
+  const double index = of.kind == Variable::Kind::kChoice
+                           ? point[variable]
+                           : (point[variable] - of.low) / step_between(of);
+  const auto last = static_cast<double>(count_of(of) - 1);
+  return static_cast<std::size_t>(std::clamp(std::round(index), 0.0, last));
 }
 
 /// A unit point at which the variable is active.
@@ -52,7 +71,7 @@ void activate(const SearchSpace& space, std::size_t variable, std::vector<double
   const auto index = static_cast<std::size_t>(found - space.variables.begin());
   activate(space, index, unit);
   for (std::size_t value = 0; value < count_of(*found); ++value) {
-    unit[index] = unit_of_value(value, count_of(*found));
+    unit[index] = unit_of_value(space, index, value);
     if (is_active(space, point_from_unit(space, unit), variable)) {
       return;
     }
@@ -64,7 +83,7 @@ std::vector<bool> followers_with(const SearchSpace& space,
                                  std::vector<double> unit,
                                  std::size_t variable,
                                  std::size_t value) {
-  unit[variable] = unit_of_value(value, count_of(space.variables[variable]));
+  unit[variable] = unit_of_value(space, variable, value);
   const Point point = point_from_unit(space, unit);
   std::vector<bool> active;
   for (std::size_t i = 0; i < space.variables.size(); ++i) {
@@ -75,10 +94,37 @@ std::vector<bool> followers_with(const SearchSpace& space,
   return active;
 }
 
+std::string texts_of(const SearchSpace& space, std::size_t variable, const Values& values) {
+  const Variable& shown = space.variables[variable];
+  std::vector<std::string> texts;
+  for (const std::size_t value : values) {
+    std::vector<double> unit(space.variables.size(), 0.5);
+    activate(space, variable, unit);
+    unit[variable] = unit_of_value(space, variable, value);
+    texts.push_back(shown.kind == Variable::Kind::kChoice
+                        ? shown.choices[value]
+                        : shortest(point_from_unit(space, unit)[variable]));
+  }
+  return join(texts, " or ");
+}
+
+/// "n = 4", "n = 4 or 5"; of many values those that it has not: "n other than 4".
+std::string set_name(const SearchSpace& space, std::size_t variable, const Values& set) {
+  Values others;
+  for (std::size_t value = 0; value < count_of(space.variables[variable]); ++value) {
+    if (std::ranges::find(set, value) == set.end()) {
+      others.push_back(value);
+    }
+  }
+  const bool names_others = set.size() > kNamedValues && others.size() <= kNamedValues;
+  return space.variables[variable].name + (names_others ? " other than " : " = ") +
+         texts_of(space, variable, names_others ? others : set);
+}
+
 Decision decision_of(const SearchSpace& space, std::size_t variable) {
   std::vector<double> unit(space.variables.size(), 0.5);
   activate(space, variable, unit);
-  Decision decision = {.variable = variable, .sets = {}};
+  Decision decision = {.variable = variable, .sets = {}, .names = {}};
   std::vector<std::vector<bool>> seen;
   for (std::size_t value = 0; value < count_of(space.variables[variable]); ++value) {
     const std::vector<bool> active = followers_with(space, unit, variable, value);
@@ -89,6 +135,9 @@ Decision decision_of(const SearchSpace& space, std::size_t variable) {
     } else {
       decision.sets[static_cast<std::size_t>(found - seen.begin())].push_back(value);
     }
+  }
+  for (const Values& set : decision.sets) {
+    decision.names.push_back(set_name(space, variable, set));
   }
   return decision;
 }
@@ -101,36 +150,11 @@ std::vector<Decision> decisions_of(const SearchSpace& space) {
   return decisions;
 }
 
-const Values& set_with(const Decision& decision, std::size_t value) {
-  return *std::ranges::find_if(
+/// The index of the set that holds a value.
+std::size_t set_with(const Decision& decision, std::size_t value) {
+  const auto found = std::ranges::find_if(
       decision.sets, [&](const Values& set) { return std::ranges::find(set, value) != set.end(); });
-}
-
-std::string texts_of(const SearchSpace& space, std::size_t variable, const Values& values) {
-  const Variable& shown = space.variables[variable];
-  std::vector<std::string> texts;
-  for (const std::size_t value : values) {
-    std::vector<double> unit(space.variables.size(), 0.5);
-    activate(space, variable, unit);
-    unit[variable] = unit_of_value(value, count_of(shown));
-    texts.push_back(shown.kind == Variable::Kind::kChoice
-                        ? shown.choices[value]
-                        : shortest(point_from_unit(space, unit)[variable]));
-  }
-  return join(texts, " or ");
-}
-
-/// "n = 4", "n = 4 or 5"; of many values those that it has not: "n other than 4".
-std::string set_name(const SearchSpace& space, const Decision& decision, const Values& set) {
-  Values others;
-  for (std::size_t value = 0; value < count_of(space.variables[decision.variable]); ++value) {
-    if (std::ranges::find(set, value) == set.end()) {
-      others.push_back(value);
-    }
-  }
-  const bool names_others = set.size() > kNamedValues && others.size() <= kNamedValues;
-  return space.variables[decision.variable].name + (names_others ? " other than " : " = ") +
-         texts_of(space, decision.variable, names_others ? others : set);
+  return static_cast<std::size_t>(found - decision.sets.begin());
 }
 
 std::string name_at(const SearchSpace& space,
@@ -140,7 +164,7 @@ std::string name_at(const SearchSpace& space,
   for (const Decision& decision : decisions) {
     if (decision.sets.size() > 1 && is_active(space, point, decision.variable)) {
       const std::size_t value = value_at(space, point, decision.variable);
-      parts.push_back(set_name(space, decision, set_with(decision, value)));
+      parts.push_back(decision.names[set_with(decision, value)]);
     }
   }
   return join(parts, ", ");
@@ -158,8 +182,8 @@ Branch branch_at(const SearchSpace& space,
     const auto decision = std::ranges::find(decisions, i, &Decision::variable);
     Values values;
     if (decision != decisions.end() && is_active(space, point, i)) {
-      values = set_with(*decision, value_at(space, point, i));
-      branch.unit[i] = unit_of_value(values.front(), count_of(space.variables[i]));
+      values = decision->sets[set_with(*decision, value_at(space, point, i))];
+      branch.unit[i] = unit_of_value(space, i, values.front());
     }
     if (num_values(space.variables[i]) > 1.0 && values.size() != 1 && is_active(space, point, i)) {
       branch.free.push_back(i);
@@ -183,8 +207,7 @@ std::vector<Point> points_of_all(const SearchSpace& space, const std::vector<Dec
     for (std::size_t k = decisions.size(); k-- > 0;) {
       const std::vector<Values>& sets = decisions[k].sets;
       const std::size_t variable = decisions[k].variable;
-      unit[variable] =
-          unit_of_value(sets[rest % sets.size()].front(), count_of(space.variables[variable]));
+      unit[variable] = unit_of_value(space, variable, sets[rest % sets.size()].front());
       rest /= sets.size();
     }
     points.push_back(point_from_unit(space, unit));
@@ -202,10 +225,11 @@ double Branch::num_values_of(const SearchSpace& space, std::size_t k) const {
 Point Branch::point_at(const SearchSpace& space, std::span<const double> free_unit) const {
   std::vector<double> all = unit;
   for (std::size_t k = 0; k < free.size(); ++k) {
-    all[free[k]] = values[k].empty()
-                       ? free_unit[k]
-                       : unit_of_value(values[k][value_of_unit(free_unit[k], values[k].size())],
-                                       count_of(space.variables[free[k]]));
+    all[free[k]] =
+        values[k].empty()
+            ? free_unit[k]
+            : unit_of_value(
+                  space, free[k], values[k][cell_of_unit(free_unit[k], values[k].size())]);
   }
   return point_from_unit(space, all);
 }
@@ -218,7 +242,7 @@ std::vector<double> Branch::unit_of(const SearchSpace& space, const Point& point
     if (!values[k].empty()) {
       const auto at = std::ranges::find(values[k], value_at(space, point, free[k]));
       const auto index = static_cast<std::size_t>(at - values[k].begin());
-      found.back() = unit_of_value(index, values[k].size());
+      found.back() = middle_of_cell(index, values[k].size());
     }
   }
   return found;

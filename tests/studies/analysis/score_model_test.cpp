@@ -200,6 +200,26 @@ TEST(Branches, ValuesWithTheSameActiveVariablesAreOne) {
             (std::vector<std::string>{"count = 4", "count other than 4"}));
 }
 
+// Their cells in the unit cube are of other widths than those of values that are spread evenly.
+TEST(Branches, KnowTheValuesOfLogarithmicIntegers) {
+  SearchSpace space = pictures();
+  space.variables[0].is_log = true;
+  const auto branches = branches_of(space);
+  ASSERT_EQ(branches.size(), 2U);
+  EXPECT_EQ(branches[0].name, "count other than 4");
+  std::vector<double> counts;
+  for (int k = 0; k < 9; ++k) {
+    const std::vector<double> unit = {(k + 0.5) / 9.0, 0.25};
+    const Point point = branches[0].point_at(space, unit);
+    counts.push_back(point[0]);
+    EXPECT_EQ(branches[0].unit_of(space, point)[0], unit[0]);
+  }
+  EXPECT_EQ(counts, (std::vector<double>{1, 2, 3, 5, 6, 7, 8, 9, 10}));
+  EXPECT_EQ(branches[1].point_at(space, std::vector<double>{0.5, 0.5})[0], 4.0);
+  EXPECT_EQ(branch_names(space, std::vector<Point>{{4, 0.2, 0.5}, {7, 0.5, 0.5}}),
+            (std::vector<std::string>{"count = 4", "count other than 4"}));
+}
+
 /// A dome has an opening of its own, if it is open, and ring and bar have nothing.
 TEST(Branches, AreSetsOfNestedConditions) {
   const SearchSpace space = {

@@ -39,25 +39,26 @@ std::string rendered_study(const fs::path& out) {
   return is_told ? run["study"].get<std::string>() : "";
 }
 
-bool is_folder_of_view(const std::string& name) {
-  const std::string prefix = "view_";
-  return name == "baseline" ||
-         (name.starts_with(prefix) && name.size() > prefix.size() &&
-          name.find_first_not_of("0123456789", prefix.size()) == std::string::npos);
+/// The folders that views are written to.
+std::vector<std::string> folders_of_views() {
+  std::vector<std::string> names = {"baseline"};
+  for (int view = 1; view <= kMostViews; ++view) {
+    names.push_back(fmt::format("view_{:02}", view));
+  }
+  return names;
 }
 
 }  // namespace
 
 void check_render_folder(const Study& study, const fs::path& out) {
-  std::vector<std::string> names = {"baseline",
-                                    "result.json",
-                                    "run.json",
-                                    "report.html",
-                                    "preview.png",
-                                    "contact_sheet.png",
-                                    "study.resolved.toml"};
-  for (int view = 1; view <= kMostViews; ++view) {
-    names.push_back(fmt::format("view_{:02}", view));
+  std::vector<std::string> names = folders_of_views();
+  for (const char* file : {"result.json",
+                           "run.json",
+                           "report.html",
+                           "preview.png",
+                           "contact_sheet.png",
+                           "study.resolved.toml"}) {
+    names.emplace_back(file);
   }
   check_result_folder(out, ResultKind::kRender, names);
   check_inputs_kept(input_files(study), out, names);
@@ -73,10 +74,11 @@ void remove_other_views(const fs::path& out, const std::vector<std::string>& kep
     return;
   }
   std::vector<fs::path> others;
-  for (const fs::directory_entry& entry : fs::directory_iterator(out)) {
-    const std::string name = entry.path().filename().string();
-    if (is_folder_of_view(name) && std::ranges::find(kept, name) == kept.end()) {
-      others.push_back(entry.path());
+  for (const std::string& name : folders_of_views()) {
+    const fs::path folder = out / name;
+    if (std::ranges::find(kept, name) == kept.end() &&
+        fs::symlink_status(folder).type() == fs::file_type::directory) {
+      others.push_back(folder);
     }
   }
   if (kept.size() == 1) {

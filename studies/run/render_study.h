@@ -17,9 +17,9 @@ namespace glint {
 /// rendering is
 void check_render_folder(const Study& study, const std::filesystem::path& out);
 
-/// Removes what an earlier rendering of other views left in a folder.
-/// @param kept  names of the folders of views that have just been written; empty: nothing is
-/// removed
+/// Removes the folders that an earlier rendering of other views left in a folder: those of the
+/// names that views are written to, and nothing else.
+/// @param kept  names of the folders of the views that are there now; empty: nothing is removed
 void remove_other_views(const std::filesystem::path& out, const std::vector<std::string>& kept);
 
 /// Renders the study's own scene into a folder; no search. Of scenes with allows_many_viewpoints()

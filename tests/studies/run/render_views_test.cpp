@@ -95,6 +95,22 @@ TEST(RenderViews, RemoveViewsOfAnEarlierRendering) {
   EXPECT_FALSE(has("baseline"));
 }
 
+TEST(RenderViews, RemoveNothingThatIsNotTheirs) {
+  const TemporaryFolder folder;
+  render(folder.path(), plate_from(2));
+  const fs::path out = folder / "out";
+  for (const char* name : {"view_1", "view_001", "view_2024.d"}) {
+    fs::create_directory(out / name);
+  }
+  write_file(out / "view_2024", "mine");
+  write_file(out / "view_77", "mine");
+  render(folder.path(), plate_from(1));
+  EXPECT_FALSE(fs::exists(out / "view_02"));
+  for (const char* name : {"view_1", "view_001", "view_2024.d", "view_2024", "view_77"}) {
+    EXPECT_TRUE(fs::exists(out / name)) << name;
+  }
+}
+
 TEST(RenderViews, OfAnotherStudyAreRefused) {
   const TemporaryFolder folder;
   render(folder.path(), plate_from(1));

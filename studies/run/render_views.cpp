@@ -332,12 +332,18 @@ class RenderRun {
     write_file(options_.out / "result.json", result_json().dump(2) + "\n");
   }
 
-  Json finish(OutputFolder& folder) {
-    std::vector<std::string> written;
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      written.push_back(folder_of(i));
+  /// Also of views that an interrupted rendering has not come to: those that an earlier one
+  /// finished stay. Empty where there is not even the first.
+  std::vector<std::string> folders_of_all() const {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < viewpoints_.size() && !views_.empty(); ++i) {
+      names.push_back(folder_of(i));
     }
-    remove_other_views(options_.out, written);
+    return names;
+  }
+
+  Json finish(OutputFolder& folder) {
+    remove_other_views(options_.out, folders_of_all());
     if (small_.size() > 1) {
       write_png(options_.out / "contact_sheet.png", numbered_sheet(small_));
     }

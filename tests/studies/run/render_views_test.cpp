@@ -305,18 +305,33 @@ TEST(RenderViews, WriteTheSameBytesForAnyNumberOfThreads) {
   EXPECT_GT(files, 15);
 }
 
-TEST(RenderViews, ThatAreInterruptedKeepWhatThereIs) {
-  const TemporaryFolder folder;
+/// Interrupted after the first pass, which shows in the preview.
+Json interrupted_render(const TemporaryFolder& folder, const std::string& text) {
   std::atomic<int> interrupt = 0;
-  // Interrupted after the first pass, which shows in the preview.
+  fs::remove(folder / "out/preview.png");
   std::jthread user([&](const std::stop_token& stop) {
     while (!stop.stop_requested() && !fs::exists(folder / "out/preview.png")) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     interrupt = 1;
   });
-  const Json result = render(
-      folder.path(), replaced(kScene, "samples = 8", "samples = 60000"), {.interrupt = &interrupt});
+  return render(folder.path(), text, {.interrupt = &interrupt});
+}
+
+TEST(RenderViews, ThatAreInterruptedKeepFinishedOnes) {
+  const TemporaryFolder folder;
+  render(folder.path(), plate_from(3));
+  const Json result =
+      interrupted_render(folder, replaced(plate_from(3), "samples = 2", "samples = 60000"));
+  EXPECT_EQ(result["views"].size(), 1U);
+  EXPECT_TRUE(fs::exists(folder / "out/view_02/image.exr"));
+  EXPECT_TRUE(fs::exists(folder / "out/view_03/image.exr"));
+}
+
+TEST(RenderViews, ThatAreInterruptedKeepWhatThereIs) {
+  const TemporaryFolder folder;
+  const Json result =
+      interrupted_render(folder, replaced(kScene, "samples = 8", "samples = 60000"));
   EXPECT_EQ(result["status"], "interrupted");
   ASSERT_EQ(result["views"].size(), 1U);
   EXPECT_LT(result["views"][0]["samples"], 60000);

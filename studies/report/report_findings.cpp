@@ -146,7 +146,7 @@ void add_hidden_defects(const Json& data, const Json& design, std::vector<Findin
                          "it is not told from its background. Other lighting, another place or a "
                          "larger defect is needed.",
                          wording.label(),
-                         wording.text(best),
+                         wording.text(best, wording.digits_apart(best, *least)),
                          *least)
            : fmt::format("The worst defect hardly shows: {} is below {:g}; another design reached "
                          "{}.",
@@ -262,11 +262,8 @@ void add_lost_limits(const Json& data, const Json& design, std::vector<Finding>&
     const auto fresh = number_of(member(design, "rescored"), wording.score());
     if (fresh && !meets(constraint, fresh)) {
       findings.push_back({"limit_lost",
-                          fmt::format("With fresh seeds {} is {}, must be {}; in the search "
-                                      "the limit was met.",
-                                      wording.label(),
-                                      wording.text(*fresh),
-                                      limit_text(constraint, wording))});
+                          fmt::format("With fresh seeds {}; in the search the limit was met.",
+                                      missed_text(constraint, wording, *fresh))});
     }
   }
 }

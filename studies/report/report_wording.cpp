@@ -20,6 +20,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int kDigits = 3;  // of what was measured
+
 constexpr double kLevelPoints = 0.05;  // differences that would print as 0.0 points
 
 /// Half the width of the interval that holds 95 % of single values like these; mean_of() tells
@@ -57,22 +59,21 @@ std::string raised(int exponent) {
   return text;
 }
 
-/// The first three digits of a number and its power of ten.
+/// The first digits of a number and its power of ten.
 struct RoundedNumber {
   std::string digits;
   int exponent = 0;
 };
 
 /// As JavaScript does: a half is rounded away from 0. @param value  > 0
-RoundedNumber rounded(double value) {
-  constexpr std::size_t kDigits = 3;
+RoundedNumber rounded(double value, std::size_t count) {
   const std::string exact = fmt::format("{:.60e}", value);  // "9.996...e+00"
   const auto mark = exact.find('e');
-  RoundedNumber number = {.digits = exact.substr(0, 1) + exact.substr(2, kDigits),
+  RoundedNumber number = {.digits = exact.substr(0, 1) + exact.substr(2, count),
                           .exponent = std::stoi(exact.substr(mark + 1))};
   bool is_up = number.digits.back() >= '5';
   number.digits.pop_back();
-  for (std::size_t i = kDigits; is_up && i-- > 0;) {
+  for (std::size_t i = count; is_up && i-- > 0;) {
     is_up = number.digits[i] == '9';
     number.digits[i] = is_up ? '0' : static_cast<char>(number.digits[i] + 1);
   }
@@ -84,13 +85,42 @@ RoundedNumber rounded(double value) {
   return number;
 }
 
+/// So many decimals as the page has: one, two below 1 %, and some more.
+std::string percent_text(double value, int more) {
+  constexpr double kFine_percent = 0.995;
+  const double size = std::abs(100 * value);
+  const int decimals = (size != 0.0 && size < kFine_percent ? 2 : 1) + more;
+  return fmt::format("{}{:.{}f} %", value < 0.0 ? "\u2212" : "", size, decimals);
+}
+
+/// What was set: without the zeros at the end, "13", "12.35".
+std::string set_number(double value, int digits) {
+  std::string text = measured(value, digits);
+  if (text.find('.') == std::string::npos || text.find("\u00d7") != std::string::npos) {
+    return text;
+  }
+  text.erase(text.find_last_not_of('0') + 1);
+  return text.ends_with('.') ? text.substr(0, text.size() - 1) : text;
+}
+
+/// As percent_text(), with the decimals that the first four digits need.
+std::string set_percent(double value, int more) {
+  const double size = std::abs(100 * value);
+  const std::string digits = set_number(size, 4);
+  const auto point = digits.find('.');
+  const auto needed = point == std::string::npos ? 0 : static_cast<int>(digits.size() - point) - 1;
+  const std::string page = percent_text(value, 0);
+  const auto shown = static_cast<int>(page.find(' ') - page.find('.')) - 1;
+  return percent_text(value, std::max(more, std::min(needed - shown, 4)));
+}
+
 }  // namespace
 
-std::string measured(double value) {
+std::string measured(double value, int significant) {
   if (value == 0.0) {
     return "0";
   }
-  const auto [digits, exponent] = rounded(std::abs(value));
+  const auto [digits, exponent] = rounded(std::abs(value), static_cast<std::size_t>(significant));
   const auto whole = static_cast<std::size_t>(std::max(0, exponent + 1));
   std::string text;
   if (exponent >= 6 || exponent < -4) {
@@ -169,8 +199,21 @@ bool Wording::is_level(double a, double b) const {
   return is_percent_ ? 100 * gap < kLevelPoints : gap <= 1e-4 * std::max(std::abs(a), std::abs(b));
 }
 
-std::string Wording::text(double value) const {
-  return is_percent_ ? fmt::format("{:.1f} %", 100 * value) : measured(value);
+std::string Wording::text(double value, int more) const {
+  return is_percent_ ? percent_text(value, more) : measured(value, kDigits + more);
+}
+
+std::string Wording::limit(double value, int more) const {
+  return is_percent_ ? set_percent(value, more) : set_number(value, kDigits + std::max(1, more));
+}
+
+int Wording::digits_apart(double value, double limit) const {
+  constexpr int kMost = 14;
+  int more = 0;
+  while (more < kMost && text(value, more) == text(limit, more)) {
+    ++more;
+  }
+  return more;
 }
 
 std::string Wording::size(double gap) const {
@@ -225,15 +268,20 @@ bool meets(const Json& constraint, const std::optional<double>& value) {
   return value && (!low || *value >= *low) && (!high || *value <= *high);
 }
 
-std::string limit_text(const Json& constraint, const Wording& wording) {
+std::string missed_text(const Json& constraint, const Wording& wording, double value) {
+  const auto low = number_of(constraint, "min");
+  const auto high = number_of(constraint, "max");
+  const auto missed = low && value < *low ? low : high;
+  const int more = missed ? wording.digits_apart(value, *missed) : 0;
   std::vector<std::string> parts;
-  if (const auto low = number_of(constraint, "min")) {
-    parts.push_back("at least " + wording.text(*low));
+  if (low) {
+    parts.push_back("at least " + wording.limit(*low, more));
   }
-  if (const auto high = number_of(constraint, "max")) {
-    parts.push_back("at most " + wording.text(*high));
+  if (high) {
+    parts.push_back("at most " + wording.limit(*high, more));
   }
-  return join(parts, " and ");
+  return fmt::format(
+      "{} is {}, must be {}", wording.label(), wording.text(value, more), join(parts, " and "));
 }
 
 std::vector<std::string> missed_limits(const Json& data, const Json& design) {
@@ -242,10 +290,7 @@ std::vector<std::string> missed_limits(const Json& data, const Json& design) {
     const Wording wording(data, text_of(constraint, "name"), true);
     const auto value = wording.searched(design);
     if (value && !meets(constraint, value)) {
-      missed.push_back(fmt::format("{} is {}, must be {}",
-                                   wording.label(),
-                                   wording.text(*value),
-                                   limit_text(constraint, wording)));
+      missed.push_back(missed_text(constraint, wording, *value));
     }
   }
   return missed;

@@ -14,9 +14,10 @@
 namespace glint::report_detail {
 
 /// What was measured, as the page writes it (measured() of web/format.js): three significant
-/// digits, also where the last are zeros, never fewer than the whole number has; "13.0", "0.380",
-/// "1235", from a million on and below 0.0001 "8.61 x 10^-5" with a times sign and superscripts.
-std::string measured(double value);
+/// digits (unless told), also where the last are zeros, never fewer than the whole number has;
+/// "13.0", "0.380", "1235", from a million on and below 0.0001 "8.61 x 10^-5" with a times sign and
+/// superscripts.
+std::string measured(double value, int significant = 3);
 
 /// How one score of the designs is read and written.
 class Wording {
@@ -54,7 +55,16 @@ class Wording {
   /// Whether two values print as one.
   bool is_level(double a, double b) const;
 
-  std::string text(double value) const;  ///< "74.5 %", "12.8": measured()
+  /// "74.5 %", "0.63 %", "12.8": percent() and measured() of web/format.js.
+  /// @param more  digits than there
+  std::string text(double value, int more = 0) const;
+
+  /// What was set: four digits, "5", "12.35", "71.25 %".
+  /// @param more  digits than text() has
+  std::string limit(double value, int more = 0) const;
+
+  /// How many digits more than text() has tell a value from another.
+  int digits_apart(double value, double limit) const;
 
   std::string size(double gap) const;  ///< of a difference: "6.4 points", "0.12"
 
@@ -85,10 +95,13 @@ const nlohmann::ordered_json* best_design(const nlohmann::ordered_json& designs,
 /// Whether a value keeps the limits of an entry of `constraints`; a missing one does not.
 bool meets(const nlohmann::ordered_json& constraint, const std::optional<double>& value);
 
-/// "at least 3", "at most 1.0 %", "at least 1 and at most 2".
-std::string limit_text(const nlohmann::ordered_json& constraint, const Wording& wording);
+/// "smallest CNR is 2.10, must be at least 3", "smallest CNR is 4.998, must be at least 5": of a
+/// value that does not keep the limits, with as many digits as show that.
+std::string missed_text(const nlohmann::ordered_json& constraint,
+                        const Wording& wording,
+                        double value);
 
-/// What a design lacks: "smallest CNR is 2.1, must be at least 3", one for each limit that it
+/// What a design lacks: "smallest CNR is 2.10, must be at least 3", one for each limit that it
 /// misses, by the seeds of the search. Empty where nothing is missed, or nothing is known.
 std::vector<std::string> missed_limits(const nlohmann::ordered_json& data,
                                        const nlohmann::ordered_json& design);

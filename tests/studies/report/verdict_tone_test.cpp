@@ -222,5 +222,45 @@ TEST(VerdictOfRuns, RanksThoseThatBelongTogetherAndSaysWhatDiffers) {
   EXPECT_EQ(verdict["details"][1], "c differs from a in part (file), camera (width_px).");
 }
 
+/// What is said of a design whose score has that value, beside its limits.
+std::string said_of_limit(const char* score, double value, const Json& limits) {
+  Json data = prototypes();
+  data["constraints"] = {limits};
+  data["constraints"][0]["name"] = score;
+  for (Json& design : data["designs"]) {
+    design["feasible"] = false;
+    design["scores"][score] = value;
+  }
+  return text_of_code(data, "limit_failed");
+}
+
+TEST(Verdict, ShowsByHowLittleALimitIsMissed) {
+  const auto cnr = [](double value, const Json& limits) {
+    return said_of_limit("defects.min_cnr", value, limits);
+  };
+  EXPECT_EQ(cnr(4.998, {{"min", 5}}),
+            "It misses a limit: smallest CNR is 4.998, must be at least 5.");
+  EXPECT_THAT(cnr(2.1, {{"min", 3}}), HasSubstr("is 2.10, must be at least 3."));
+  EXPECT_THAT(cnr(12.8, {{"min", 12.84}}), HasSubstr("is 12.80, must be at least 12.84."));
+  EXPECT_THAT(cnr(5.00004, {{"min", 1}, {"max", 5}}),
+              HasSubstr("is 5.00004, must be at least 1 and at most 5."));
+  const auto even = [](double value, const Json& limits) {
+    return said_of_limit("homogeneity.h_rms", value, limits);
+  };
+  EXPECT_THAT(even(0.6998, {{"min", 0.7}}), HasSubstr("is 69.98 %, must be at least 70.00 %."));
+  EXPECT_THAT(even(0.6, {{"min", 0.7125}}), HasSubstr("is 60.0 %, must be at least 71.25 %."));
+  EXPECT_THAT(even(0.0063, {{"min", 0.7}}), HasSubstr("is 0.63 %, must be at least 70.0 %."));
+}
+
+TEST(Verdict, SaysOfAHiddenDefectByHowLittleItIs) {
+  Json data = sound_search();
+  for (Json& trial : data["trials"]) {
+    trial["scores"]["defects.min_cnr"] = 1.0;
+  }
+  set_cnr(data["designs"][0], 1.0);
+  set_cnr(data["designs"][1], 2.998);
+  EXPECT_THAT(text_of_code(data, "defects_hidden"), HasSubstr("is 2.998 at most, and below 3"));
+}
+
 }  // namespace
 }  // namespace glint

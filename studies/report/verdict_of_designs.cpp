@@ -26,6 +26,17 @@ std::string ranked_value(const Json& row, const Wording& wording) {
              : value;
 }
 
+/// "The next, bar, is 2.00 behind. "; empty where the next one misses a limit, for it may be ahead.
+std::string gap_text(const Json& ranking, const Wording& wording) {
+  const double value = *number_of(ranking[0], "value");
+  const double next = *number_of(ranking[1], "value");
+  const bool is_compared = ranking[1]["missed"].empty() && !wording.is_better(next, value);
+  return is_compared ? fmt::format("The next, {}, is {} behind. ",
+                                   title_of(ranking[1]),
+                                   wording.size(std::abs(value - next)))
+                     : std::string();
+}
+
 /// How sure the first place of a ranking is. @return whether it is
 bool add_certainty(const Json& ranking, const Wording& wording, Verdict& verdict) {
   constexpr double kSure = 0.95;
@@ -33,13 +44,11 @@ bool add_certainty(const Json& ranking, const Wording& wording, Verdict& verdict
   if (!probability || ranking.size() < 2) {
     return false;
   }
-  const double gap = std::abs(*number_of(ranking[0], "value") - *number_of(ranking[1], "value"));
-  const std::string text = fmt::format(
-      "The next, {}, is {} behind. With other noise {} would be the best {:.0f} times of 100.",
-      title_of(ranking[1]),
-      wording.size(gap),
-      title_of(ranking[0]),
-      100.0 * *probability);
+  const std::string text =
+      fmt::format("{}With other noise {} would be the best {:.0f} times of 100.",
+                  gap_text(ranking, wording),
+                  title_of(ranking[0]),
+                  100.0 * *probability);
   const bool is_sure = *probability >= kSure;
   verdict.details.push_back(is_sure ? Finding{"ranking_sure", text}
                                     : Finding{"ranking_open", text + " The order may be chance."});

@@ -192,6 +192,17 @@ TEST(Ranking, PutsDesignsThatMissALimitLastAndSaysWhich) {
   EXPECT_THAT(text_of_code(data, "limit_failed"), HasSubstr("dome misses a limit"));
 }
 
+TEST(Ranking, ComparesWithDesignsThatMeetAllLimits) {
+  Json data = prototypes();
+  EXPECT_THAT(text_of_code(data, "ranking_sure"), HasSubstr("The next, bar, is 2.00 behind."));
+  data["designs"].erase(0);
+  data["designs"][0]["feasible"] = false;
+  data["designs"][0]["scores"]["homogeneity.h_rms"] = 0.6;
+  EXPECT_EQ(complete_report(data)["ranking"][0]["key"], "bar");
+  EXPECT_EQ(text_of_code(data, "ranking_sure"),
+            "With other noise bar would be the best 100 times of 100.");
+}
+
 // The mean of 5.1, 4.9, 5.0, 5.2 is 5.05, its standard error 0.1291 / 2 = 0.0645; times 3.182.
 TEST(Ranking, GivesTheMeanOfTheScansWithItsInterval) {
   const Json last = complete_report(prototypes())["ranking"][2];

@@ -22,8 +22,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kDigits = 3;  // of what was measured
 
-constexpr double kLevelPoints = 0.05;  // differences that would print as 0.0 points
-
 /// Half the width of the interval that holds 95 % of single values like these; mean_of() tells
 /// that of their mean, which is narrower by the root of their number.
 /// @param unit  rounding errors are of its size: what is below them is 0
@@ -195,8 +193,7 @@ std::optional<double> Wording::noise(const Json& design, const Json& other) cons
 }
 
 bool Wording::is_level(double a, double b) const {
-  const double gap = std::abs(a - b);
-  return is_percent_ ? 100 * gap < kLevelPoints : gap <= 1e-4 * std::max(std::abs(a), std::abs(b));
+  return text(a) == text(b);
 }
 
 std::string Wording::text(double value, int more) const {
@@ -217,7 +214,15 @@ int Wording::digits_apart(double value, double limit) const {
 }
 
 std::string Wording::size(double gap) const {
-  return is_percent_ ? fmt::format("{:.1f} points", 100 * gap) : measured(gap);
+  if (!is_percent_) {
+    return measured(gap);
+  }
+  constexpr int kMost = 4;
+  int decimals = 1;
+  for (double least = 0.05; gap > 0.0 && 100 * gap < least && decimals < kMost; least /= 10) {
+    ++decimals;
+  }
+  return fmt::format("{:.{}f} points", 100 * gap, decimals);
 }
 
 std::string Wording::noise_text(double noise) const {

@@ -66,7 +66,7 @@ class Wording {
   /// How many digits more than text() has tell a value from another.
   int digits_apart(double value, double limit) const;
 
-  std::string size(double gap) const;  ///< of a difference: "6.4 points", "0.12"
+  std::string size(double gap) const;  ///< of a difference: "6.4 points", "0.02 points", "0.12"
 
   std::string noise_text(double noise) const;  ///< as a size, "none" for 0
 

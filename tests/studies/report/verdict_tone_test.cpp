@@ -262,5 +262,21 @@ TEST(Verdict, SaysOfAHiddenDefectByHowLittleItIs) {
   EXPECT_THAT(text_of_code(data, "defects_hidden"), HasSubstr("is 2.998 at most, and below 3"));
 }
 
+TEST(Verdict, CallsLevelWhatReadsTheSame) {
+  Json data = sound_search();
+  data["objective"]["name"] = "homogeneity.h_rms";
+  const auto sentence = [&](double before, double after) {
+    data["designs"][0]["rescored"]["homogeneity.h_rms"] = before;
+    data["designs"][1]["rescored"]["homogeneity.h_rms"] = after;
+    return complete_report(data)["verdict"]["sentence"].get<std::string>();
+  };
+  EXPECT_THAT(sentence(0.8486, 0.8494), HasSubstr("84.9 %: level with the baseline"));
+  EXPECT_THAT(sentence(0.8494, 0.8496), HasSubstr("85.0 %: 0.02 points better than"));
+  data["objective"]["name"] = "defects.min_cnr";
+  set_cnr(data["designs"][0], 12.81);
+  set_cnr(data["designs"][1], 12.84);
+  EXPECT_EQ(codes_of(data).count("winner_level"), 1U);
+}
+
 }  // namespace
 }  // namespace glint

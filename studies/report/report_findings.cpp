@@ -296,19 +296,21 @@ std::vector<Finding> findings_on(const Json& data, const Json& design) {
   return findings;
 }
 
-std::vector<Finding> doubts_on_best_run(const Json& data, const Json& best, const Json& second) {
+std::vector<Finding> doubts_on_best_run(const Json& data, const Json& best, const Json* second) {
   const Wording wording = defect_wording(data);
   std::vector<Finding> findings;
-  if (!wording.value(best)) {
-    return findings;
-  }
-  if (wording.value(second) && compared(wording, best, second) < 0) {
+  if (second != nullptr && wording.value(best) && wording.value(*second) &&
+      compared(wording, best, *second) < 0) {
     findings.push_back({"defects_fainter",
                         fmt::format("In {} the worst defect shows {}.",
                                     title_of(best),
-                                    comparison(wording, best, second, title_of(second), -1))});
+                                    comparison(wording, best, *second, title_of(*second), -1))});
   }
   add_hidden_defects(data, best, findings);
+  for (const Json& doubt : member(best, "doubts")) {
+    findings.push_back(
+        {text_of(doubt, "code"), fmt::format("Of {}: {}", title_of(best), text_of(doubt, "text"))});
+  }
   return findings;
 }
 

@@ -37,10 +37,11 @@ Wording defect_wording(const nlohmann::ordered_json& data);
 std::vector<Finding> findings_on(const nlohmann::ordered_json& data,
                                  const nlohmann::ordered_json& design);
 
-/// What is said of the worst defect in the best of several runs: that it shows less clearly than in
-/// the next one, or not at all. Empty where neither is so.
+/// What is said against the best of several runs: that the worst defect shows less clearly than in
+/// the next one, or not at all, and the `doubts` of its own report. Empty where nothing is so.
+/// @param second  nullptr: no other run has a feasible design
 std::vector<Finding> doubts_on_best_run(const nlohmann::ordered_json& data,
                                         const nlohmann::ordered_json& best,
-                                        const nlohmann::ordered_json& second);
+                                        const nlohmann::ordered_json* second);
 
 }  // namespace glint::report_detail

@@ -102,13 +102,12 @@ Verdict ranked(const Json& data, const Json& runs) {
                           wording.label(),
                           wording.text(value),
                           gap));
-  if (second != nullptr) {
-    verdict.add(doubts_on_best_run({{"objective", member(runs.front(), "objective")},
-                                    {"designs", runs},
-                                    {"score_info", member(data, "score_info")}},
-                                   *best,
-                                   *second));
-  }
+  verdict.add(doubts_on_best_run({{"objective", member(runs.front(), "objective")},
+                                  {"constraints", member(*best, "constraints")},
+                                  {"designs", runs},
+                                  {"score_info", member(data, "score_info")}},
+                                 *best,
+                                 second));
   verdict.judge(second == nullptr || is_ahead(*second, *best, wording));
   return verdict;
 }

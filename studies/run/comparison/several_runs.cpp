@@ -74,17 +74,16 @@ std::size_t group_of(const std::vector<ReportedRun>& runs, const Study& study) {
   return static_cast<std::size_t>(first - runs.begin());
 }
 
-/// The key of the first in the ranking of designs without a search; the first one's without an
-/// objective.
-std::string best_of_designs(const Json& single) {
+/// The report on a run of its own, without pictures.
+Json plain_report(const Json& single) {
   Json data = {{"designs", Json::array()}};
-  for (const char* name : {"objective", "constraints"}) {
+  for (const char* name : {"status", "objective", "constraints", "trials"}) {
     if (single.contains(name)) {
       data[name] = single[name];
     }
   }
   for (const Json& design : single["designs"]) {
-    Json scored = Json::object();  // without its pictures
+    Json scored = Json::object();
     for (const char* name :
          {"key", "title", "role", "feasible", "scores", "rescored", "repeated"}) {
       if (design.contains(name)) {
@@ -93,13 +92,32 @@ std::string best_of_designs(const Json& single) {
     }
     data["designs"].push_back(std::move(scored));
   }
-  const Json ranking = complete_report(data).value("ranking", Json::array());
-  return ranking.empty() ? data["designs"].at(0)["key"] : ranking.front()["key"];
+  return complete_report(data);
+}
+
+/// The key of the first in the ranking of designs without a search; the first one's without an
+/// objective.
+std::string best_of_designs(const Json& report) {
+  const Json ranking = report.value("ranking", Json::array());
+  return ranking.empty() ? report["designs"].at(0)["key"] : ranking.front()["key"];
+}
+
+/// What its own report holds against a run's outcome, apart from the worst defect.
+Json doubts_of(const Json& report) {
+  Json doubts = Json::array();
+  for (const Json& finding : report["verdict"]["findings"]) {
+    if (finding["code"] == "limit_lost" || finding["code"] == "objective_flat") {
+      doubts.push_back(finding);
+    }
+  }
+  return doubts;
 }
 
 /// What stands for a run in the comparison.
 void represent(const Json& single, Json& run) {
-  const std::string key = single.contains("status") ? "winner" : best_of_designs(single);
+  const Json report = plain_report(single);
+  run["doubts"] = doubts_of(report);
+  const std::string key = single.contains("status") ? "winner" : best_of_designs(report);
   const auto& designs = single["designs"];
   const auto design =
       std::ranges::find_if(designs, [&](const Json& one) { return one["key"] == key; });
@@ -119,8 +137,10 @@ void represent(const Json& single, Json& run) {
 Json run_json(const ReportedRun& reported, const Study& first) {
   const Json& single = reported.data;
   Json run = {{"differs", differences(first, reported.study)}};
-  if (single.contains("objective")) {
-    run["objective"] = single["objective"];
+  for (const char* name : {"objective", "constraints"}) {
+    if (single.contains(name)) {
+      run[name] = single[name];
+    }
   }
   if (single.contains("status")) {
     run["status"] = single["status"];

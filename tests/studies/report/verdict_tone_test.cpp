@@ -85,6 +85,25 @@ TEST(Verdict, OfRunsIsNotGoodWhenTheBestOneShowsTheDefectLess) {
   EXPECT_EQ(text_of_code(data, "defects_fainter"), "");
 }
 
+TEST(Verdict, OfRunsIsNotGoodWhenTheOnlyFeasibleOneHidesTheDefect) {
+  Json data = runs_with(0);
+  data["runs"][0]["feasible"] = false;
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "good");
+  data["runs"][1]["scores"]["defects.min_cnr"] = 0.2;
+  EXPECT_EQ(codes_of(data).count("defects_hidden"), 1U);
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
+}
+
+TEST(Verdict, OfRunsIsNotGoodWhenItsOwnReportDoubtsTheBestOne) {
+  Json data = runs_with(0);
+  const Json doubts = {{{"code", "limit_lost"}, {"text", "It is lost."}}};
+  data["runs"][0]["doubts"] = doubts;
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "good") << "b is the best one";
+  data["runs"][1]["doubts"] = doubts;
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
+  EXPECT_EQ(text_of_code(data, "limit_lost"), "Of b: It is lost.");
+}
+
 // Ten evaluations: the five that meet every limit are alike, the others differ.
 TEST(Verdict, TellsOfAnObjectiveThatIsFlatAmongDesignsThatMeetEveryLimit) {
   Json data = sound_search();

@@ -74,6 +74,29 @@ TEST(SeveralRuns, AreNotStoodForByTheBaselineOfASearchThatFoundNothing) {
   EXPECT_FALSE(data["runs"][1].contains("scores"));
 }
 
+TEST(SeveralRuns, KnowWhatTheirOwnReportsDoubt) {
+  const TemporaryFolder folder;
+  const Study study = plate_study(folder, kScene);
+  Json winner = scored_design("winner", 7.0, "winner");
+  winner["feasible"] = true;
+  winner["rescored"] = {{"defects.min_cnr", 5.5}};
+  ReportedRun lost = run_of_search("b", study, Json::array({winner}));
+  lost.data["constraints"] = {{{"name", "defects.min_cnr"}, {"min", 6}}};
+  for (int i = 0; i < 5; ++i) {
+    lost.data["trials"].push_back({{"number", i},
+                                   {"failed", false},
+                                   {"feasible", true},
+                                   {"objective", 7.0},
+                                   {"scores", {{"defects.min_cnr", 7.0}}}});
+  }
+  const Json data = several_runs({lost, run_of_prototypes("a", study)});
+  ASSERT_EQ(data["runs"][0]["doubts"].size(), 2U);
+  EXPECT_EQ(data["runs"][0]["doubts"][0]["code"], "objective_flat");
+  EXPECT_EQ(data["runs"][0]["doubts"][1]["code"], "limit_lost");
+  EXPECT_EQ(data["runs"][0]["constraints"], lost.data["constraints"]);
+  EXPECT_TRUE(data["runs"][1]["doubts"].empty());
+}
+
 TEST(SeveralRuns, OfTheSameTitleAreToldApartByTheirFolders) {
   const TemporaryFolder folder;
   const Study study = plate_study(folder, kScene);

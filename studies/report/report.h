@@ -47,8 +47,9 @@
 //                     feasible, scores, rescored, repeated, best_so_far: [number | null],
 //                     design: title of the one that stands for a run without a search,
 //                     objective, constraints, doubts: [ { code, text } ], limit_lost and
-//                     objective_flat of its own report, group: number of the first run that it may be ranked with (absent:
-//                     0), differs: [ texts ], what is not as in the first run } ]
+//                     objective_flat of its own report,
+//                     group: number of the first run that it may be ranked with (absent: 0),
+//                     differs: [ texts ], what is not as in the first run } ]
 //   panels            sections of a population; [ {
 //       id, title     of the section; lead: the sentence below
 //       charts        [ { kind: "sizes" | "lightings" | "pod", its data: web/population.js, or

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/report/report_runs.h"
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <utility>
@@ -64,13 +65,15 @@ std::vector<Json> grouped(const Json& runs) {
   return lists;
 }
 
-/// Of the objective of these runs.
+/// Of the objective of these runs; without a score where others have one and these do not.
 Wording wording_of(const Json& data, const Json& runs) {
   const Json& objective = member(runs.front(), "objective");
-  return objective.is_object() ? Wording(data,
-                                         text_of(objective, "name"),
-                                         !text_of(objective, "sense").starts_with("min"))
-                               : Wording(data);
+  const bool is_told = std::ranges::any_of(
+      member(data, "runs"), [](const Json& run) { return member(run, "objective").is_object(); });
+  return is_told ? Wording(data,
+                           text_of(objective, "name"),
+                           !text_of(objective, "sense").starts_with("min"))
+                 : Wording(data);
 }
 
 /// "dome, lights for the gear" where one design of several stands for the run.
@@ -79,17 +82,12 @@ std::string name_of(const Json& run) {
   return design.empty() ? title_of(run) : design + ", " + title_of(run);
 }
 
-/// Says which of some comparable runs is the best. @return its verdict
-Verdict ranked(const Json& data, const Json& runs) {
-  const Wording wording = wording_of(data, runs);
-  const auto [best, second] = best_two(runs, wording);
-  Verdict verdict{.tone = "bad"};
-  if (best == nullptr) {
-    verdict.say("runs_infeasible",
-                fmt::format("None of the {} runs has a feasible design.", runs.size()));
-    return verdict;
-  }
-  const double value = *wording.value(*best);
+void say_best(const Json& runs,
+              const Json& best,
+              const Json* second,
+              const Wording& wording,
+              Verdict& verdict) {
+  const double value = *wording.value(best);
   const std::string gap =
       second == nullptr
           ? std::string()
@@ -98,10 +96,30 @@ Verdict ranked(const Json& data, const Json& runs) {
   verdict.say("runs_ranked",
               fmt::format("Of {} runs, {} has the best {}: {}{}.",
                           runs.size(),
-                          name_of(*best),
+                          name_of(best),
                           wording.label(),
                           wording.text(value),
                           gap));
+}
+
+/// Says which of some comparable runs is the best. @return its verdict
+Verdict ranked(const Json& data, const Json& runs) {
+  const Wording wording = wording_of(data, runs);
+  Verdict verdict;
+  if (wording.score().empty()) {
+    verdict.say("rendered",
+                fmt::format("{} runs were rendered; no objective is set that would rank them.",
+                            runs.size()));
+    return verdict;
+  }
+  const auto [best, second] = best_two(runs, wording);
+  if (best == nullptr) {
+    verdict.tone = "bad";
+    verdict.say("runs_infeasible",
+                fmt::format("None of the {} runs has a feasible design.", runs.size()));
+    return verdict;
+  }
+  say_best(runs, *best, second, wording, verdict);
   verdict.add(doubts_on_best_run({{"objective", member(runs.front(), "objective")},
                                   {"constraints", member(*best, "constraints")},
                                   {"designs", runs},

@@ -94,6 +94,21 @@ TEST(Verdict, OfRunsIsNotGoodWhenTheOnlyFeasibleOneHidesTheDefect) {
   EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
 }
 
+TEST(Verdict, OfRunsWithoutAnObjectiveIsThatTheyWereRendered) {
+  Json data = runs_with(0);
+  for (Json& run : data["runs"]) {
+    run.erase("objective");
+  }
+  const Json verdict = complete_report(data)["verdict"];
+  EXPECT_EQ(verdict["sentence"], "2 runs were rendered; no objective is set that would rank them.");
+  EXPECT_EQ(verdict["tone"], "neutral");
+  Json other = runs_with(1)["runs"][1];
+  other["title"] = "c";
+  data["runs"].push_back(other);
+  data["objective"] = other["objective"];
+  EXPECT_THAT(text_of_code(data, "rendered"), HasSubstr("2 runs were rendered"));
+}
+
 TEST(Verdict, OfRunsIsNotGoodWhenItsOwnReportDoubtsTheBestOne) {
   Json data = runs_with(0);
   const Json doubts = {{{"code", "limit_lost"}, {"text", "It is lost."}}};

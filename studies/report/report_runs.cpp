@@ -139,10 +139,11 @@ Verdict verdict_of_runs(const Json& data) {
   if (groups.size() == 1) {
     verdict = ranked(data, runs);
   } else {
-    verdict.say("runs_apart",
-                fmt::format("These {} runs are not ranked together: they do not all have the same "
-                            "part, material, camera, defects, scored region and objective.",
-                            runs.size()));
+    verdict.say(
+        "runs_apart",
+        fmt::format("These {} runs are not ranked together: they do not all have the same "
+                    "part, material, camera, defects, scored region, inspection and objective.",
+                    runs.size()));
   }
   for (const Json& group : groups) {
     if (groups.size() > 1 && group.size() > 1) {

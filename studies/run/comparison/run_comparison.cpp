@@ -17,7 +17,7 @@
 namespace glint {
 namespace {
 
-constexpr std::array<std::string_view, 11> kOfScale = {"part",
+constexpr std::array<std::string_view, 12> kOfScale = {"part",
                                                        "material",
                                                        "camera",
                                                        "lens",
@@ -27,6 +27,7 @@ constexpr std::array<std::string_view, 11> kOfScale = {"part",
                                                        "scan",
                                                        "defects",
                                                        "imprint",
+                                                       "inspection",
                                                        "metrics"};
 
 /// What of these tables is set to suit a lighting.

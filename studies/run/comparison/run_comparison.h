@@ -10,9 +10,10 @@
 
 namespace glint {
 
-/// Whether two studies have the same part, material, camera, sensor, scan, defects, scored region
-/// and objective, so that their scores are of one scale. Exposure and gain, which suit a lighting,
-/// and what one of them varies may differ. Files count by their content, wherever they lie.
+/// Whether two studies have the same part, material, camera, sensor, scan, defects, scored region,
+/// inspection and objective, so that their scores are of one scale. Exposure and gain, which suit a
+/// lighting, and what one of them varies may differ. Files count by their content, wherever they
+/// lie.
 bool is_comparable(const Study& a, const Study& b);
 
 /// What of two studies differs apart from lighting, variables and search, by tables:

@@ -67,11 +67,26 @@ std::vector<std::string> run_labels(const std::vector<ReportedRun>& runs) {
   return labels;
 }
 
-/// The number of the first run that it is comparable with.
-std::size_t group_of(const std::vector<ReportedRun>& runs, const Study& study) {
-  const auto first = std::ranges::find_if(
-      runs, [&](const ReportedRun& other) { return is_comparable(study, other.study); });
-  return static_cast<std::size_t>(first - runs.begin());
+/// Of each run the number of the first one of its group. All members of a group are comparable with
+/// one another: that a run varies a key does not make two others comparable that set it.
+std::vector<std::size_t> groups_of(const std::vector<ReportedRun>& runs) {
+  std::vector<std::size_t> groups;
+  const auto is_of = [&](std::size_t first, const Study& study) {
+    for (std::size_t i = first; i < groups.size(); ++i) {
+      if (groups[i] == first && !is_comparable(study, runs[i].study)) {
+        return false;
+      }
+    }
+    return true;
+  };
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    std::size_t first = 0;
+    while (first < i && (groups[first] != first || !is_of(first, runs[i].study))) {
+      ++first;
+    }
+    groups.push_back(first);
+  }
+  return groups;
 }
 
 /// The report on a run of its own, without pictures.
@@ -157,12 +172,13 @@ Json run_json(const ReportedRun& reported, const Study& first) {
 Json several_runs(std::vector<ReportedRun> runs) {
   Json data = {{"title", "Comparison of runs"}};
   const std::vector<std::string> labels = run_labels(runs);
+  const std::vector<std::size_t> groups = groups_of(runs);
   Json designs = Json::array();
   Json rows = Json::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     Json run = run_json(runs[i], runs.front().study);
     run["title"] = labels[i];
-    run["group"] = group_of(runs, runs[i].study);
+    run["group"] = groups[i];
     if (run.contains("objective") && !data.contains("objective")) {
       data["objective"] = run["objective"];
     }

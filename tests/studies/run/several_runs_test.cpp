@@ -125,6 +125,25 @@ TEST(SeveralRuns, OfTheSameTitleAreToldApartByTheirFolders) {
               ::testing::ElementsAre("Plate (x/a/run)", "Plate (y/a/run)", "Plate (b)"));
 }
 
+// The first varies the roughness: it is comparable with either of the others, these are not.
+TEST(SeveralRuns, AreOfOneGroupWhereAllAreComparable) {
+  const TemporaryFolder folder;
+  const std::string scene = kScene;
+  const std::string varied =
+      scene + "[variables]\n\"material.roughness\" = { min = 0.1, max = 0.5 }\n";
+  std::vector<ReportedRun> runs;
+  for (const std::string& text :
+       {varied, scene, replaced(scene, "roughness = 0.3", "roughness = 0.2"), scene}) {
+    runs.push_back(
+        run_of_prototypes("run " + std::to_string(runs.size()), plate_study(folder, text)));
+  }
+  const Json data = several_runs(std::move(runs));
+  EXPECT_EQ(data["runs"][0]["group"], 0);
+  EXPECT_EQ(data["runs"][1]["group"], 0);
+  EXPECT_EQ(data["runs"][2]["group"], 2);
+  EXPECT_EQ(data["runs"][3]["group"], 0);
+}
+
 TEST(Comparable, AreStudiesWhoseScoresAreOfOneScale) {
   const TemporaryFolder folder;
   const TemporaryFolder other_folder;
@@ -138,6 +157,7 @@ TEST(Comparable, AreStudiesWhoseScoresAreOfOneScale) {
   EXPECT_FALSE(is_alike(scene, replaced(scene, "roughness = 0.3", "roughness = 0.2")));
   EXPECT_FALSE(is_alike(scene, replaced(scene, "bits = 0", "bits = 8")));
   EXPECT_FALSE(is_alike(scene, scene + "[metrics]\nerosion_px = 5\n"));
+  EXPECT_FALSE(is_alike(scene, scene + "[inspection]\npolarity = \"bright\"\n"));
   const std::string varied =
       scene + "[variables]\n\"material.roughness\" = { min = 0.1, max = 0.5 }\n";
   EXPECT_TRUE(is_alike(varied, replaced(scene, "roughness = 0.3", "roughness = 0.2")));

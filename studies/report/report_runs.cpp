@@ -82,6 +82,19 @@ std::string name_of(const Json& run) {
   return design.empty() ? title_of(run) : design + ", " + title_of(run);
 }
 
+/// Scores of all designs of these runs, as evaluations.
+Json scores_of_designs(const Json& data, const Json& runs) {
+  Json scores = Json::array();
+  for (const Json& design : member(data, "designs")) {
+    const bool is_of_these = std::ranges::any_of(
+        runs, [&](const Json& run) { return text_of(run, "title") == text_of(design, "run"); });
+    if (is_of_these) {
+      scores.push_back({{"scores", member(design, "scores")}});
+    }
+  }
+  return scores;
+}
+
 void say_best(const Json& runs,
               const Json& best,
               const Json* second,
@@ -123,6 +136,7 @@ Verdict ranked(const Json& data, const Json& runs) {
   verdict.add(doubts_on_best_run({{"objective", member(runs.front(), "objective")},
                                   {"constraints", member(*best, "constraints")},
                                   {"designs", runs},
+                                  {"trials", scores_of_designs(data, runs)},
                                   {"score_info", member(data, "score_info")}},
                                  *best,
                                  second));

@@ -150,21 +150,33 @@ class VariableCheck {
   std::set<std::vector<double>> objectives_;
 };
 
-/// What a report would say of a defect that the study's own scene hides; empty where it shows.
-std::string hidden_defect_note(const Study& study, const Evaluation& baseline) {
-  Json constraints = Json::array();
+/// What the study judges its designs by, as limits of a report: the objective first.
+Json judged_by(const Study& study) {
+  Json limits = Json::array();
+  if (study.has_objective) {
+    limits.push_back({{"name", study.goal.objective.name}});
+    limits.back()[study.goal.objective.is_maximised ? "min" : "max"] = 0.0;
+  }
   for (const Constraint& constraint : study.goal.constraints) {
-    constraints.push_back({{"name", constraint.name}});
+    limits.push_back({{"name", constraint.name}});
     if (constraint.min) {
-      constraints.back()["min"] = *constraint.min;
+      limits.back()["min"] = *constraint.min;
     }
   }
-  const Json report = complete_report(
-      {{"objective",
-        {{"name", study.has_objective ? study.goal.objective.name : ""},
-         {"sense", study.goal.objective.is_maximised ? "maximise" : "minimise"}}},
-       {"constraints", constraints},
-       {"designs", {{{"key", "baseline"}, {"scores", scores_json(baseline.scores)}}}}});
+  return limits;
+}
+
+/// What a report would say of a defect that the study's own scene hides, beside its prototypes;
+/// empty where it shows.
+/// @param prototypes  by their names, each with its `scores`
+std::string hidden_defect_note(const Study& study, const Json& scores, const Json& prototypes) {
+  Json designs = Json::array();
+  designs.push_back({{"key", "baseline"}, {"scores", scores}});
+  for (const auto& [name, design] : prototypes.items()) {
+    designs.push_back({{"key", name}, {"scores", design["scores"]}});
+  }
+  // Without an objective a report speaks of the study's own scene.
+  const Json report = complete_report({{"constraints", judged_by(study)}, {"designs", designs}});
   for (const Json& finding : report["verdict"]["findings"]) {
     if (finding["code"] == "defects_hidden") {
       return (study.has_search() ? "Before the search: " : "") + finding["text"].get<std::string>();
@@ -181,8 +193,7 @@ std::vector<std::string> baseline_notes(SceneStore& store,
   const auto view = path_view_of(scene, baseline.traced->part);
   std::vector<std::string> notes = notes_of(study.scene, baseline.scores, view.get());
   for (const std::string& note : {narrow_defects_note(*baseline.traced, study.scene),
-                                  defect_stripes_note(*baseline.traced, study.scene),
-                                  hidden_defect_note(study, baseline)}) {
+                                  defect_stripes_note(*baseline.traced, study.scene)}) {
     if (!note.empty()) {
       notes.push_back(note);
     }
@@ -274,6 +285,10 @@ class Check {
       step("the prototypes");
       const Evaluation design = render(scene_with(study_, prototype.overrides));
       designs_[prototype.name] = {{"scores", scores_json(design.scores)}};
+    }
+    const std::string hidden = hidden_defect_note(study_, baseline_["scores"], designs_);
+    if (!hidden.empty()) {
+      baseline_["notes"].push_back(hidden);
     }
     if (sample_.best) {
       step("the best of the first designs");

@@ -94,6 +94,19 @@ TEST(Verdict, OfRunsIsNotGoodWhenTheOnlyFeasibleOneHidesTheDefect) {
   EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
 }
 
+TEST(Verdict, OfRunsKnowsAllDesignsThatMayShowTheDefect) {
+  Json data = runs_with(0);
+  data["runs"][0]["scores"]["defects.min_cnr"] = 0.1;
+  data["runs"][1]["scores"]["defects.min_cnr"] = 0.2;
+  EXPECT_THAT(text_of_code(data, "defects_hidden"), HasSubstr("No design here shows"));
+  Json shown = design_with("dome", 9.0);
+  shown["run"] = "a";
+  data["designs"] = Json::array({shown});
+  EXPECT_THAT(text_of_code(data, "defects_hidden"), HasSubstr("another design reached 9.00"));
+  data["designs"][0]["run"] = "c";
+  EXPECT_THAT(text_of_code(data, "defects_hidden"), HasSubstr("No design here shows"));
+}
+
 TEST(Verdict, OfRunsWithoutAnObjectiveIsThatTheyWereRendered) {
   Json data = runs_with(0);
   for (Json& run : data["runs"]) {

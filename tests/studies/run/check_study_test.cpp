@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/studies/run/rendered_plate.h"
 #include "tests/support/temporary_folder.h"
@@ -13,18 +14,20 @@ namespace glint {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// The notes on the baseline of a study, as one text.
-std::string notes_of_check(const std::string& text) {
+nlohmann::ordered_json check_of(const std::string& text) {
   const TemporaryFolder folder;
   write_file(folder / "study.toml", text);
   const Study study = load_study(folder / "study.toml", {});
-  return check_study(study, {.threads = 1, .jobs = 1, .progress = Progress::Style::kNone})
-      .at("baseline")
-      .at("notes")
-      .dump();
+  return check_study(study, {.threads = 1, .jobs = 1, .progress = Progress::Style::kNone});
+}
+
+/// The notes on the baseline of a study, as one text.
+std::string notes_of_check(const std::string& text) {
+  return check_of(text).at("baseline").at("notes").dump();
 }
 
 // Each flank of a dent 1 um deep and 3 mm wide reflects what lies 1 mrad beside: black, as all
@@ -38,6 +41,21 @@ TEST(CheckStudy, TellsOfADefectThatTheStudysOwnSceneHides) {
                     HasSubstr("is a mirror without roughness")));
   const std::string plain = shallow.substr(0, shallow.find("[defects.dent]"));
   EXPECT_THAT(notes_of_check(plain), Not(HasSubstr("shows the worst defect")));
+}
+
+// The prototype is rough and its dent deep: whatever its CNR is, it is more than 0.
+TEST(CheckStudy, TellsOfAHiddenDefectBesideThePrototypes) {
+  const std::string shallow = replaced(kScene, "height_um = 100", "height_um = 1");
+  const std::string mirror =
+      replaced(shallow, "type = \"conductor\"\nroughness = 0.3", "type = \"mirror\"");
+  const auto check = check_of(mirror +
+                              "[prototypes.rough]\n\"material.type\" = \"conductor\"\n"
+                              "\"material.roughness\" = 0.3\n"
+                              "\"defects.dent.height_um\" = 100\n");
+  EXPECT_GT(check.at("prototypes").at("rough").at("scores").at("defects.min_cnr"), 0.0);
+  const std::string notes = check.at("baseline").at("notes").dump();
+  EXPECT_THAT(notes, AnyOf(HasSubstr("another design reached"), HasSubstr("No design here shows")));
+  EXPECT_THAT(notes, Not(HasSubstr("smallest CNR is 0 at most")));
 }
 
 }  // namespace

@@ -248,6 +248,16 @@ std::string cost_parts_text(const Json& cpu_s) {
   return join(parts, ", ");
 }
 
+/// "0.120 CPU s an evaluation, 300 evaluations"
+std::string evaluations_text(const Json& result) {
+  return fmt::format("{:.3f} CPU s an evaluation, {} evaluations{}\n",
+                     result["seconds_per_evaluation"].get<double>(),
+                     result["evaluations"].get<int>(),
+                     result["is_lower_bound"].get<bool>()
+                         ? " or more: threads without a candidate of their own help"
+                         : "");
+}
+
 /// What a run will cost, apart and together.
 std::string cost_text(const Json& result) {
   const Json& cpu_s = result["predicted_cpu_s"];
@@ -259,9 +269,7 @@ std::string cost_text(const Json& result) {
         "or budget.target ends the search\n",
         result["seconds_per_evaluation"].get<double>());
   } else if (result["evaluations"].get<int>() > 0) {
-    text += fmt::format("{:.3f} CPU s an evaluation, {} evaluations\n",
-                        result["seconds_per_evaluation"].get<double>(),
-                        result["evaluations"].get<int>());
+    text += evaluations_text(result);
   }
   if (result.contains("manufacture_evaluations")) {
     text += fmt::format("at most {} more evaluations of designs as they will be built\n",

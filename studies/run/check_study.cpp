@@ -309,6 +309,11 @@ class Check {
            costs_.rescoring_s + costs_.writing_s + costs_.populations_s / options_.threads;
   }
 
+  /// Whether more evaluations fit into the time than are predicted: threads help one another.
+  bool is_lower_bound() const {
+    return search_ && search_->is_timed && options_.threads > at_once();
+  }
+
   /// null where nothing tells when the search ends.
   Json known(double seconds) const { return search_ ? Json(seconds) : Json(nullptr); }
 
@@ -346,6 +351,7 @@ class Check {
             {"baseline", baseline_},
             {"prototypes", designs_},
             {"evaluations", search_ ? Json(search_->evaluations) : Json(nullptr)},
+            {"is_lower_bound", is_lower_bound()},
             {"seconds_per_evaluation", sample_.evaluation_s},
             {"predicted_cpu_s",
              {{"search", known(costs_.search_s)},

@@ -25,6 +25,8 @@ struct CheckOptions {
 /// met, and evaluates both ends of each variable, to see whether it acts; nothing is kept on disk.
 /// @return { schema, status, name, variables, objective, idle_variables, broken_limits, baseline,
 ///         prototypes, accuracy (accuracy_json() of a study with that table), evaluations,
+///         is_lower_bound (of evaluations and CPU seconds, where the clock ends the search and
+///         there are more threads than candidates at once),
 ///         seconds_per_evaluation, predicted_cpu_s: { search, rescoring, writing, populations,
 ///         total; with [manufacture] manufacture }, predicted_s; with it manufacture_evaluations:
 ///         at most so many more }; seconds_per_evaluation is CPU time, predicted_s the wall's on a

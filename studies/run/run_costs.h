@@ -30,9 +30,11 @@ struct RunCosts {
 struct PredictedSearch {
   double cpu_s = 0.0;
   int evaluations = 0;
+  bool is_timed = false;  ///< the clock on the wall ends it
 };
 
-/// The limit of a budget that is met first counts: its evaluations, or the clock on the wall.
+/// The limit of a budget that is met first counts: its evaluations, or the clock on the wall. Each
+/// candidate has one thread: where there are more, more evaluations fit into the same time.
 /// @param evaluation_s  CPU seconds of one
 /// @param at_once       of them, >= 1
 /// @return empty where only a stall or a target ends the search, which nothing tells beforehand

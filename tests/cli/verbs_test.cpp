@@ -107,6 +107,26 @@ TEST(Check, PredictsASearchThatTimeEndsAndNoneThatOnlyAStallEnds) {
               AllOf(HasSubstr("cannot be predicted"), HasSubstr("beside the search: re-scoring ")));
 }
 
+TEST(Check, SaysWhereMoreEvaluationsFitIntoTheTime) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", small_study());
+  const auto with = [](const std::string& threads) {
+    return std::vector<std::string>{"check",
+                                    "study.toml",
+                                    "--set",
+                                    "budget.evaluations=0",
+                                    "--set",
+                                    "budget.wall_clock=8h",
+                                    "--jobs",
+                                    "1",
+                                    "--threads",
+                                    threads};
+  };
+  EXPECT_FALSE(json_of(folder, with("1"))["is_lower_bound"].get<bool>());
+  EXPECT_TRUE(json_of(folder, with("2"))["is_lower_bound"].get<bool>());
+  EXPECT_THAT(glint_in(folder, with("2")).out, HasSubstr("evaluations or more: threads"));
+}
+
 // An ellipse has no radius; a semicylinder does.
 TEST(Check, NamesVariablesThatChangeNothing) {
   const TemporaryFolder folder;

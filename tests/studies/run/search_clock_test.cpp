@@ -62,6 +62,8 @@ TEST(PredictedSearch, EndsAtTheLimitThatIsMetFirst) {
   EXPECT_EQ(of({.evaluations = 300, .wall_clock_s = 100.0}).cpu_s, 200.0);
   EXPECT_EQ(of({.evaluations = 300, .wall_clock_s = 100.0}).evaluations, 100);
   EXPECT_EQ(of({.evaluations = 0, .wall_clock_s = 100.0}).evaluations, 100);
+  EXPECT_TRUE(of({.evaluations = 300, .wall_clock_s = 100.0}).is_timed);
+  EXPECT_FALSE(of({.evaluations = 300, .wall_clock_s = 301.0}).is_timed);
   EXPECT_FALSE(predicted_search({.evaluations = 0, .stall = 20}, 2.0, 2));
   EXPECT_FALSE(predicted_search({.evaluations = 0, .target = 0.9}, 2.0, 2));
 }

@@ -97,7 +97,8 @@ std::string former_digest(const AcquireOptions& options) {
     json["tasks"].push_back({task.name, task.point, task.lights, task.exposure_us});
   }
   const CellCamera& camera = camera_of(cell);
-  json["camera"] = {static_cast<int>(camera.pixel_format), camera.gain_db.value_or(0.0), camera.region_px};
+  json["camera"] = {
+      static_cast<int>(camera.pixel_format), camera.gain_db.value_or(0.0), camera.region_px};
   json["built_lights"] = built_lights(*source.scene);
   return sha256_hex(json.dump());
 }

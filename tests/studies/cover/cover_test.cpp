@@ -214,9 +214,8 @@ TEST_F(CoverStudy, FollowsAStudyOfDetection) {
   make_folder(folder_ / "pod/best");
   write_file(folder_ / "pod/best/scene.toml",
              "[camera]\nobject_pixel_mm = 0.1\nworking_distance_mm = 300\n");
-  EXPECT_NEAR(cover(kPlate, folder_ / "pod")["smallest_defect"]["median_um"].get<double>(),
-              8000.0,
-              80.0);
+  EXPECT_NEAR(
+      cover(kPlate, folder_ / "pod")["smallest_defect"]["median_um"].get<double>(), 8000.0, 80.0);
 }
 
 TEST_F(CoverStudy, RefusesAStudyOfDetectionThatIsNone) {

@@ -6,7 +6,6 @@
 namespace glint::stability {
 namespace {
 
-
 /// The steepest cell of a sweep, with a blur.
 Cell steepest_dent(const std::string& name, const std::string& blur_px) {
   std::vector<Sweep> sweeps = chosen_sweeps({name});

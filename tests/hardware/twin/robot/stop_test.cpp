@@ -138,7 +138,7 @@ TEST(RemoteControlOff, TheReasonOfATimeoutIsNamedAgainAtTheNextMotion) {
   EXPECT_EQ(harness.driver.result()->outcome, kProgramStopped);
   const auto again = harness.move(far_rad());
   EXPECT_EQ(again->outcome, kProgramStopped);
-  EXPECT_EQ(again->text, "remote control is off");
+  EXPECT_EQ(again->text, "remote control is off (the controller did not begin the motion)");
 }
 
 // The controller finds other joints for the end of a line than the nominal arm has there.

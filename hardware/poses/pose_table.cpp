@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <ranges>
 #include <span>
 #include <utility>
 #include <vector>
@@ -132,7 +131,7 @@ void check_angles_in_order(std::span<const Heading> headings, const Layout& layo
       angles.push_back(heading.name);
     }
   }
-  if (!std::ranges::equal(angles, layout.names | std::views::drop(3))) {
+  if (!std::equal(angles.begin(), angles.end(), layout.names.begin() + 3, layout.names.end())) {
     refuse_key(
         headings.front().place,
         "rotation",

@@ -107,6 +107,19 @@ TEST(Stop, IsRefusedWhenTheLinkIsLost) {
   EXPECT_EQ(result->outcome, kLost);
 }
 
+TEST(Stop, WhoseEndNobodyTellsIsNotDone) {
+  TwinHarness harness;
+  begin_motion(harness);
+  harness.run(0.5);
+  ASSERT_FALSE(harness.driver.begin_stop(harness.now_s()).has_value());
+  EXPECT_THAT(harness.driver.take_script_output(), HasSubstr("stopj"));
+  harness.driver.on_rtde_closed("the connection was closed");
+  harness.driver.on_time(harness.now_s());
+  harness.driver.on_time(harness.now_s() + 5.0);
+  ASSERT_TRUE(harness.driver.result().has_value());
+  EXPECT_EQ(harness.driver.result()->outcome, kLost);
+}
+
 TEST(Stop, OfAnInterruptEndsTheMotionWhereItIs) {
   TwinHarness harness;
   begin_motion(harness);

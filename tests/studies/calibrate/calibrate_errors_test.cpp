@@ -149,14 +149,17 @@ TEST_F(CalibrateErrors, OptionsOfOtherModesAreRefused) {
       {{"a.png", "--move"}, "--move: needs --cell"},
       {{"a.png", "--placements", "3"}, "--placements: needs --cell"},
       {{"--check", "C", "a.png", "--move"}, "--check takes no --move"}};
+  std::vector<Arguments> calls;
   for (const auto& [arguments, message] : slips) {
-    Arguments all = {"calibrate"};
-    all.insert(all.end(), arguments.begin(), arguments.end());
-    const ProgramResult result = glint_in(folder_, all);
-    EXPECT_EQ(result.code, 2) << message << "\n" << result.err;
-    EXPECT_THAT(result.err, ::testing::HasSubstr(message));
-    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
-    EXPECT_EQ(result.out, "");
+    calls.push_back({"calibrate"});
+    calls.back().insert(calls.back().end(), arguments.begin(), arguments.end());
+  }
+  const std::vector<ProgramResult> results = glint_at_once(folder_, calls);
+  for (std::size_t i = 0; i < slips.size(); ++i) {
+    EXPECT_EQ(results[i].code, 2) << slips[i].second << "\n" << results[i].err;
+    EXPECT_THAT(results[i].err, ::testing::HasSubstr(slips[i].second));
+    EXPECT_EQ(std::ranges::count(results[i].err, '\n'), 1) << results[i].err;
+    EXPECT_EQ(results[i].out, "");
   }
 }
 

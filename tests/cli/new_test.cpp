@@ -150,7 +150,7 @@ TEST(Prototypes, ThatMissALimitAreSaidToMissIt) {
              edited(prototype_study(), {{"{ min = 0.2 }", "{ min = 0.9999 }"}}));
   const ProgramResult printed = glint_in(folder, {"run", "two.toml", "--out", "two"});
   EXPECT_THAT(printed.out, HasSubstr("It misses a limit: h (rms) is "));
-  EXPECT_THAT(printed.out, HasSubstr("must be at least 100.0 %"));
+  EXPECT_THAT(printed.out, HasSubstr("must be at least 99.99 %"));
 }
 
 TEST(InfeasibleRun, SaysWhichLimitFailedAndCallsNoDesignAWinner) {
@@ -164,7 +164,7 @@ TEST(InfeasibleRun, SaysWhichLimitFailedAndCallsNoDesignAWinner) {
   EXPECT_THAT(printed.out,
               ::testing::StartsWith("no feasible design: 12 evaluations, 0 failed; ended by"));
   EXPECT_THAT(printed.out, HasSubstr("closest (trial "));
-  EXPECT_THAT(printed.out, HasSubstr("must be at least 1.00\u00a0\u00d7\u00a010\u2076"));
+  EXPECT_THAT(printed.out, HasSubstr("must be at least 1.000\u00a0\u00d7\u00a010\u2076"));
   EXPECT_THAT(printed.out, Not(HasSubstr("winner")));
   // The best of designs that are not feasible is no best.
   EXPECT_THAT(printed.err, HasSubstr("none feasible yet"));

@@ -67,16 +67,10 @@ double path_work(const SceneSettings& scene) {
   return paths.samples * path + WorkPerPixel::kScoring * frames_of(scene) * pictures;
 }
 
-/// By its shape: of a mesh nothing else is known.
-bool may_shade_itself(const SceneSettings& scene) {
-  const PartSettings::Shape shape = scene.part.shape;
-  return shape == PartSettings::Shape::kSpurGear || shape == PartSettings::Shape::kMesh;
-}
-
 double direct_work(const SceneSettings& scene) {
   const double rays = static_cast<double>(scene.render.rays_per_axis) * scene.render.rays_per_axis;
-  const double sums = may_shade_itself(scene) ? WorkPerPixel::kShadedSum * std::pow(rays, 1.5)
-                                              : WorkPerPixel::kSums + WorkPerPixel::kSumRay * rays;
+  const double sums = may_see_itself(scene) ? WorkPerPixel::kShadedSum * std::pow(rays, 1.5)
+                                            : WorkPerPixel::kSums + WorkPerPixel::kSumRay * rays;
   return sums + WorkPerPixel::kScoring * frames_of(scene);
 }
 
@@ -346,6 +340,11 @@ double fineness_of(const RenderRung& rung) {
     return static_cast<double>(rung.render.rays_per_axis) * rung.render.rays_per_axis;
   }
   return 1.0 / (rung.render.max_direction_error_rad * rung.render.max_direction_error_rad);
+}
+
+bool may_see_itself(const SceneSettings& scene) {
+  const PartSettings::Shape shape = scene.part.shape;
+  return shape == PartSettings::Shape::kSpurGear || shape == PartSettings::Shape::kMesh;
 }
 
 double counted_work(const SceneSettings& scene) {

@@ -64,6 +64,10 @@ bool is_rendered_alike(const SceneSettings& scene, std::span<const RenderRung> l
 /// the direction error in rad.
 double fineness_of(const RenderRung& rung);
 
+/// Whether light may go from one place of the part to another one, which shades it, too. By its
+/// shape: of a mesh nothing else is known.
+bool may_see_itself(const SceneSettings& scene);
+
 /// What one evaluation takes, in millions of camera paths with direct light.
 double counted_work(const SceneSettings& scene);
 

@@ -12,6 +12,7 @@
 #include "simulator/light/tunnel/tunnel.h"
 #include "simulator/material/fresnel.h"
 #include "simulator/material/nk_table.h"
+#include "studies/definition/ladder/render_ladder.h"
 #include "studies/definition/render_methods.h"
 
 namespace glint {
@@ -133,12 +134,6 @@ std::string polarisation_note(const SceneSettings& scene) {
       what,
       has_coat ? "coat" : "metal",
       100.0 * degree * degree);
-}
-
-/// By its shape: of a mesh nothing else is known.
-bool may_see_itself(const SceneSettings& scene) {
-  const PartSettings::Shape shape = scene.part.shape;
-  return shape == PartSettings::Shape::kSpurGear || shape == PartSettings::Shape::kMesh;
 }
 
 /// What no path is long enough for. Of what is reflected, about a half meets such a part again: a

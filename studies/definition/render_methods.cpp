@@ -169,10 +169,7 @@ class DirectRange : public MethodRange {
     expect(!scene_.has_tunnel, "lighting." + scene_.tunnel_name, "is a tunnel", allowed);
     for (const NamedLight& light : scene_.lights) {
       const std::string key = "lighting." + light.name;
-      expect(!std::holds_alternative<EnvironmentSettings>(light.settings),
-             key,
-             "is an environment",
-             allowed);
+      expect(!is_surrounding(light.settings), key, "is an environment", allowed);
       expect(
           !std::holds_alternative<IesLightSettings>(light.settings), key, "is measured", allowed);
     }
@@ -233,7 +230,8 @@ FrameMethod frame_method(const SceneSettings& scene) {
     return {.name = "paths",
             .numbers = {{"samples", paths.samples},
                         {"batches", paths.batches},
-                        {"max_reflections", paths.max_reflections}}};
+                        {"max_reflections", paths.max_reflections}},
+            .is_noisy = true};
   }
   const RenderMethod method = scene.render.method;
   return {.name = method == RenderMethod::kSampled ? "sampled" : "integrated",

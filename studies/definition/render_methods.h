@@ -25,6 +25,7 @@ struct FrameMethod {
   std::string name;  ///< "paths", "direct", "sampled", "blurred" or "integrated"
   std::vector<std::pair<std::string, int>> numbers;  ///< that are told with it
   bool has_closed_mean = false;  ///< a search may take their mean from closed forms instead
+  bool is_noisy = false;         ///< drawn paths: pixels differ with the seed
 };
 
 FrameMethod frame_method(const SceneSettings& scene);

@@ -156,7 +156,7 @@ std::string mirror_note(const SceneSettings& scene) {
                          (material.type == MaterialSettings::Type::kConductor && is_smooth);
   const bool has_surroundings =
       scene.has_tunnel || std::ranges::any_of(scene.lights, [](const NamedLight& light) {
-        return std::holds_alternative<EnvironmentSettings>(light.settings);
+        return is_surrounding(light.settings);
       });
   if (!is_mirror || has_surroundings || scene.lights.empty()) {
     return "";

@@ -142,7 +142,7 @@ class PathMeasuring {
   double predicted_s(const FrontierPoint& point) const {
     const double pixels = 1.0 / (point.reduction * point.reduction);
     const SceneSettings scene = scene_of(point, scene_);
-    if (is_direct(scene)) {  // by work counted beside that of the paths whose time was taken
+    if (!frame_method(scene).is_noisy) {  // by work beside that of the paths whose time was taken
       const SceneSettings paths = independent_paths(scene_, kTimedSamples, 0);
       return pixels * fixed_s_ +
              per_sample_s_ * kTimedSamples * counted_work(scene) / counted_work(paths);

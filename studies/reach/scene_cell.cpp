@@ -99,7 +99,7 @@ void add_obstacles(const CellPlanning& planning, PlanningCell& planned) {
 /// A scene that the flange holds goes with it: what stands in it cannot.
 void check_held(const SceneSettings& scene) {
   for (const NamedLight& light : scene.lights) {
-    if (!std::holds_alternative<EnvironmentSettings>(light.settings) &&
+    if (!is_surrounding(light.settings) &&
         mount_of(light.settings) == LightPlacement::Mount::kScene) {
       throw ConfigError(
           fmt::format("lighting.{}.mount", light.name),

@@ -96,18 +96,12 @@ RenderedDesign render_design(SceneStore& store,
 
 namespace {
 
-/// How many times as long a design takes when it is re-scored, as counted for sums of light.
-double times_finer(const SceneSettings& scene) {
-  constexpr double kOfSamples = 4.0;
-  return is_direct(scene) ? counted_work(finer_settings(scene)) / counted_work(scene) : kOfSamples;
-}
-
 double finer_scan_s(SceneStore& store,
                     const SceneSettings& scene,
                     const WantedScores& wanted,
                     double rendering_s) {
   if (rendering_s > kLong_s) {
-    return times_finer(scene) * rendering_s;
+    return rescoring_factor(scene) * rendering_s;
   }
   const double start = process_cpu_s();
   try {

@@ -63,10 +63,7 @@ Json design_json(const fs::path& folder,
   Json json = read_json(folder / "scores.json");
   json["key"] = key;
   const ImageF aspect = read_image(folder / "aspect.exr");
-  const std::string method =
-      json.contains("rendering") ? json["rendering"].value("frames", "") : std::string();
-  const bool is_one_picture = has_frames && (method == "paths" || method == "direct") &&
-                              !fs::exists(folder / "sequence/frame_001.png");
+  const bool is_one_picture = has_frames && !fs::exists(folder / "sequence/frame_001.png");
   if (!is_one_picture) {  // of which there is no mean beside it
     json["aspect"] = report_png(aspect, 2 * kFrameWidth_px);
   }

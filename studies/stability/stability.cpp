@@ -99,7 +99,6 @@ class Measuring {
 
   void compare_scene(SceneStore& store, const Sweep& sweep, const ConfigNode& root, Cell& cell) {
     auto outcome = std::make_unique<Outcome>(evaluated(store, root));
-    outcome->has_path_noise = cell.method == "paths";
     if (sweep.kind == Sweep::Kind::kBar) {
       cell.errors = errors_of_bar(*outcome, options_.bounds);
     } else if (sweep.kind == Sweep::Kind::kTunnel) {

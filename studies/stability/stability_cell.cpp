@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/units.h"
+#include "studies/definition/render_methods.h"
 #include "studies/definition/scene_notes.h"
 #include "studies/imaging/defect_windows.h"
 #include "studies/stability/reference/reference_light.h"
@@ -89,7 +90,7 @@ std::vector<CellError> compared(const Outcome& outcome,
                                 const Bounds& bounds) {
   const ReferenceScores right = reference_scores(scene, sampling);
   const Evaluation& made = outcome.evaluation;
-  const bool is_noisy = scene.sensor.full_well_e > 0.0 || outcome.has_path_noise;
+  const bool is_noisy = scene.sensor.full_well_e > 0.0 || frame_method(outcome.scene).is_noisy;
   std::vector<CellError> errors = {
       picture_error(made.aspect, right.aspect.mean, right.region, is_noisy, bounds)};
   const double h = score_of(made, "homogeneity.h_rms");

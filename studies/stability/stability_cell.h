@@ -60,7 +60,6 @@ struct Outcome {
   Evaluation evaluation;
   SceneSettings scene;
   std::vector<std::string> notes;
-  bool has_path_noise = false;  ///< its pixels scatter by path tracing
 };
 
 /// Reads, checks and evaluates a scene as `glint check` does. @throws ConfigError, IoError

@@ -6,7 +6,15 @@ import path from "node:path";
 import { hallOf, report } from "./room_tree.mjs";
 
 /// The transport that a scene needs, the kind of its rays and lights, the method of [render].
-const QUESTION = /\b(needs_paths\b|is_sampled\b|has_tunnel\b|lights\.empty\(\)|Method::k\w+)/;
+const QUESTION = new RegExp(
+  [
+    "\\b(needs_paths|is_sampled|has_tunnel|is_direct|is_blurred)\\b",
+    "\\blights\\.empty\\(\\)",
+    "(?<![A-Za-z])(?:Render)?Method::k\\w+",
+    "\\bmethod [!=]= \"\\w+\"",
+    "\\b(?:holds_alternative|get_if)<\\w+Settings>",
+  ].join("|"),
+);
 const HALLS = new Set(["studies", "cli"]);
 /// They give all others what follows from the answer.
 const ASKING = new Set([
@@ -15,6 +23,7 @@ const ASKING = new Set([
   "studies/imaging",
   "studies/imaging/blurred",
   "studies/imaging/direct",
+  "studies/imaging/searched",
 ]);
 
 export function checkQuestions(tree) {

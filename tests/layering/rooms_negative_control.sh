@@ -373,6 +373,10 @@ in_run_cpp 'traced.is_sampled()' is_sampled
 in_run_cpp '!scene.has_tunnel' has_tunnel
 in_run_cpp 'scene.lights.empty()' 'lights.empty()'
 in_run_cpp 'render.method == RenderSettings::Method::kSampled' Method::kSampled
+in_run_cpp 'render.method == RenderMethod::kDirect' RenderMethod::kDirect
+in_run_cpp 'is_direct(scene)' is_direct
+in_run_cpp 'frames.method == "paths"' 'method == "paths"'
+in_run_cpp 'std::holds_alternative<EnvironmentSettings>(light.settings)' 'holds_alternative<EnvironmentSettings>'
 clean_tree
 add cli/run.cpp '// needs_paths() is asked elsewhere'
 expect_clean "a question in a comment" "rooms: no violation"

@@ -231,4 +231,8 @@ LightPlacement::Mount mount_of(const LightSettings& settings) {
   return std::visit([](const auto& held) { return held.placement.mount; }, settings);
 }
 
+bool is_surrounding(const LightSettings& settings) {
+  return std::holds_alternative<EnvironmentSettings>(settings);
+}
+
 }  // namespace glint

@@ -138,4 +138,7 @@ std::string_view light_type(const LightSettings& settings);
 /// What the light is fixed to.
 LightPlacement::Mount mount_of(const LightSettings& settings);
 
+/// Whether the light comes from everywhere around the scene: no thing that stands somewhere.
+bool is_surrounding(const LightSettings& settings);
+
 }  // namespace glint

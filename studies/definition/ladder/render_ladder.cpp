@@ -355,4 +355,9 @@ double counted_work(const SceneSettings& scene) {
   return pixels_of(scene) * work / kMillion;
 }
 
+double rescoring_factor(const SceneSettings& scene) {
+  constexpr double kOfSamples = 4.0;
+  return is_direct(scene) ? counted_work(finer_settings(scene)) / counted_work(scene) : kOfSamples;
+}
+
 }  // namespace glint

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/error.h"
 #include "metrics/statistics/quantiles.h"
@@ -25,12 +24,6 @@ std::vector<double> sorted(std::span<const double> values) {
   std::vector<double> result(values.begin(), values.end());
   std::sort(result.begin(), result.end());
   return result;
-}
-
-double share_at_or_above(const std::vector<double>& values_of_group, double threshold) {
-  const auto first = std::lower_bound(values_of_group.begin(), values_of_group.end(), threshold);
-  return static_cast<double>(values_of_group.end() - first) /
-         static_cast<double>(values_of_group.size());
 }
 
 /// Share of the others below a figure, equal ones counted half.
@@ -80,22 +73,6 @@ double farthest(double area, double end, double z, double with, double without) 
 }
 
 }  // namespace
-
-std::vector<RocPoint> roc(std::span<const double> with, std::span<const double> without) {
-  const std::vector<double> hits = sorted(with);
-  const std::vector<double> alarms = sorted(without);
-  std::vector<double> thresholds(hits);
-  thresholds.insert(thresholds.end(), alarms.begin(), alarms.end());
-  std::sort(thresholds.begin(), thresholds.end(), std::greater<>());
-  thresholds.erase(std::unique(thresholds.begin(), thresholds.end()), thresholds.end());
-  std::vector<RocPoint> points = {{.threshold = std::numeric_limits<double>::infinity()}};
-  for (const double threshold : thresholds) {
-    points.push_back({.threshold = threshold,
-                      .false_alarms = share_at_or_above(alarms, threshold),
-                      .hits = share_at_or_above(hits, threshold)});
-  }
-  return points;
-}
 
 Estimate area_under_roc(std::span<const double> with,
                         std::span<const double> without,

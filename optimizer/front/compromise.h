@@ -27,10 +27,6 @@ struct FrontChoice {
   std::vector<std::optional<double>> aspirations = {};  ///< one an objective; empty: none
 };
 
-/// What each row gives up of each objective, in parts of the range of that objective over the rows;
-/// 0 where all are equal. @param front  front_of() some rows, all finite, at least one
-std::vector<std::vector<double>> given_up(std::span<const std::vector<double>> front);
-
 /// The row to take; of equals the first. Of rows that reach every aspiration the knee is taken;
 /// where none does, the one whose largest weighted shortfall is smallest.
 /// @param front  front_of() some rows, all finite, at least one

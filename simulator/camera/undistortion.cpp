@@ -44,12 +44,6 @@ float value_at(const ImageF& picture, double x_px, double y_px) {
 
 }  // namespace
 
-PinholeIntrinsics without_distortion(PinholeIntrinsics intrinsics) {
-  intrinsics.radial = {0, 0, 0};
-  intrinsics.tangential = {0, 0};
-  return intrinsics;
-}
-
 Undistortion::Undistortion(const PinholeIntrinsics& camera, ThreadPool& pool)
     : width_px_(camera.width_px),
       height_px_(camera.height_px),

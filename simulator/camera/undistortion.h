@@ -9,9 +9,6 @@
 
 namespace glint {
 
-/// The same camera without distortion: size, focal lengths and principal point are kept.
-PinholeIntrinsics without_distortion(PinholeIntrinsics intrinsics);
-
 /// Where each pixel of the picture without distortion lies in the real one. The distortion maps
 /// rays to pixels in closed form, so that no equation has to be solved and the map is exact.
 class Undistortion {

@@ -81,10 +81,6 @@ void change_light(LightSettings& settings, const LightChange& change) {
 
 }  // namespace
 
-std::vector<LitLight> lit_lights(const SceneSettings& scene) {
-  return lights_that(scene, [](const auto& settings) { return is_on(settings); });
-}
-
 std::vector<LitLight> lights_with_bodies(const SceneSettings& scene) {
   return lights_that(scene, [](const auto& settings) {
     return is_on(settings) || kHasBody<std::decay_t<decltype(settings)>>;

@@ -33,10 +33,8 @@ struct SceneChange {
   std::vector<LightChange> lights = {};
 };
 
-/// The lights of a scene that are not off, but for tunnels and environments.
-std::vector<LitLight> lit_lights(const SceneSettings& scene);
-
-/// These, and those that are off but have a body that shades others.
+/// The lights of a scene that are not off or have a body that shades others, but for tunnels and
+/// environments.
 std::vector<LitLight> lights_with_bodies(const SceneSettings& scene);
 
 /// The scene with its segmented lights as groups of their own.

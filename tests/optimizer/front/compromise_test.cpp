@@ -16,7 +16,11 @@ using Rows = std::vector<std::vector<double>>;
 const Rows kFront = {{10, 4}, {11, 2}, {13, 1}, {20, 0}};
 
 TEST(Compromise, GivesUpPartsOfTheFrontsRange) {
-  const Rows parts = given_up(kFront);
+  const std::vector<ObjectiveRange> ranges = objective_ranges(kFront);
+  Rows parts;
+  for (const std::vector<double>& row : kFront) {
+    parts.push_back(parts_of(row, ranges));
+  }
   EXPECT_EQ(parts[0], (std::vector<double>{0.0, 1.0}));
   EXPECT_EQ(parts[1], (std::vector<double>{0.1, 0.5}));
   EXPECT_EQ(parts[2], (std::vector<double>{0.3, 0.25}));
@@ -53,7 +57,8 @@ TEST(Compromise, OneDesignOrAnObjectiveWithoutRangeIsNoMistake) {
   EXPECT_EQ(
       compromise_of(Rows{{3, 7}}, {.rule = ChoiceRule::kAspirations, .aspirations = {1.0, 1.0}}),
       0U);
-  EXPECT_EQ(given_up(Rows{{3, 7}})[0], (std::vector<double>{0.0, 0.0}));
+  const Rows alone = {{3, 7}};
+  EXPECT_EQ(parts_of(alone[0], objective_ranges(alone)), (std::vector<double>{0.0, 0.0}));
 }
 
 /// With ranges of more designs: 20 is half a range from the best and 1 a tenth, so that the ends of

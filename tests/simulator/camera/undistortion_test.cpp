@@ -17,6 +17,13 @@ PinholeIntrinsics lens() {
           .tangential = {1e-3, -8e-4}};
 }
 
+PinholeIntrinsics straight_lens() {
+  PinholeIntrinsics straight = lens();
+  straight.radial = {0, 0, 0};
+  straight.tangential = {0, 0};
+  return straight;
+}
+
 /// What the real camera sees of a pattern in the plane z = 1; pixels' middles.
 template <class Pattern>
 ImageF photographed(const PinholeIntrinsics& camera, const Pattern& pattern) {
@@ -36,7 +43,7 @@ TEST(Undistortion, ShowsAPatternAsACameraWithoutDistortionDoes) {
   ThreadPool pool(2);
   const auto waves = [](double x, double y) { return 0.5 + 0.4 * std::sin(22.0 * x + 9.0 * y); };
   const ImageF straight = Undistortion(lens(), pool)(photographed(lens(), waves), pool);
-  const ImageF truth = photographed(without_distortion(lens()), waves);
+  const ImageF truth = photographed(straight_lens(), waves);
   for (int y = 3; y < straight.height() - 3; ++y) {
     for (int x = 3; x < straight.width() - 3; ++x) {
       EXPECT_NEAR(straight(x, y), truth(x, y), 4e-4F) << x << " " << y;
@@ -85,7 +92,7 @@ TEST(Undistortion, KeepsAPictureWithoutDistortion) {
   for (std::size_t i = 0; i < image.size(); ++i) {
     image.values()[i] = static_cast<float>((i * 37) % 256) / 255.0F;
   }
-  const Undistortion undistortion(without_distortion(lens()), pool);
+  const Undistortion undistortion(straight_lens(), pool);
   EXPECT_EQ(undistortion(image, pool), image);
   EXPECT_EQ(undistortion.outside_share(), 0.0);
 }

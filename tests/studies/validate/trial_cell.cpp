@@ -34,7 +34,7 @@ std::vector<double> radians(const std::vector<double>& degrees) {
 
 std::vector<std::string> lights_of(const SceneSettings& scene) {
   std::vector<std::string> names;
-  for (const LitLight& light : lit_lights(scene)) {
+  for (const LitLight& light : lights_with_bodies(scene)) {
     names.push_back(light.name);
   }
   return names;

@@ -10,11 +10,11 @@
 #include <fmt/format.h>
 
 #include "core/config/keys.h"
+#include "core/config/located_yaml.h"
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "core/text.h"
 #include "hardware/poses/located_xml.h"
-#include "hardware/poses/located_yaml.h"
 #include "hardware/poses/pose_convention.h"
 #include "simulator/camera/camera_settings.h"
 #include "simulator/camera/lens_settings.h"

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "hardware/poses/plain_value.h"
+#include "core/config/plain_value.h"
 
 namespace glint {
 namespace {

@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 
 #include "core/config/located_json.h"
+#include "core/config/located_yaml.h"
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "core/text.h"
 #include "hardware/poses/convention_merge.h"
-#include "hardware/poses/located_yaml.h"
 #include "hardware/poses/pose_reading.h"
 #include "hardware/poses/pose_table.h"
 

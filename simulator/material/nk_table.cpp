@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/config/located_yaml.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/text.h"
@@ -104,47 +105,36 @@ void append(NkTable& table, const Line& line, const std::vector<double>& row) {
   table.k.push_back(row[2]);
 }
 
-std::size_t indent_of(const std::string& text) {
-  return std::min(text.find_first_not_of(kBlank), text.size());
+/// The first table of n and k under DATA. @throws ConfigError
+const ConfigNode& tabulated(const ConfigNode& root, const std::string& file) {
+  const ConfigNode* data = root.find("DATA");
+  if (data == nullptr || data->kind != ConfigNode::Kind::kArray || data->items.empty()) {
+    refuse(file, 1, "holds no table under DATA");
+  }
+  for (const ConfigNode& entry : data->items) {
+    const ConfigNode* type = entry.find("type");
+    const ConfigNode* rows = entry.find("data");
+    if (type != nullptr && rows != nullptr && type->text == "tabulated nk") {
+      return *rows;
+    }
+  }
+  const ConfigNode* type = data->items.front().find("type");
+  const ConfigNode& where = type != nullptr ? *type : data->items.front();
+  refuse(file,
+         where.place.line,
+         fmt::format("type is \"{}\", must be \"tabulated nk\": metals need n and k", where.text));
 }
 
-/// The first line of the YAML block with that start, from a line on; the end when there is none.
-std::size_t find_line(const std::vector<Line>& lines, std::size_t from, std::string_view start) {
-  while (from < lines.size() && !trimmed(lines[from].text).starts_with(start)) {
-    ++from;
-  }
-  return from;
-}
-
-std::string unquoted(const std::string& text) {
-  const bool is_quoted = text.size() >= 2 && (text.front() == '"' || text.front() == '\'') &&
-                         text.back() == text.front();
-  return is_quoted ? text.substr(1, text.size() - 2) : text;
-}
-
-NkTable parse_yaml(const std::vector<Line>& lines, const std::string& file) {
-  constexpr std::string_view kType = "- type:";
-  const std::size_t type = find_line(lines, find_line(lines, 0, "DATA:"), kType);
-  if (type == lines.size()) {
-    refuse(file, static_cast<int>(lines.size()), "holds no table under DATA");
-  }
-  const std::string kind = unquoted(trimmed(trimmed(lines[type].text).substr(kType.size())));
-  if (kind != "tabulated nk") {
-    refuse(file,
-           lines[type].number,
-           fmt::format("type is \"{}\", must be \"tabulated nk\": metals need n and k", kind));
-  }
-  const std::size_t data = find_line(lines, type, "data:");
+NkTable parse_yaml(std::string_view text, const std::string& file) {
+  const ConfigNode root = parse_located_yaml(text, file, YamlNulls::kLeftOut);
+  const ConfigNode& data = tabulated(root, file);
   NkTable table = {.file = file};
-  for (std::size_t i = data + 1; i < lines.size(); ++i) {
-    const std::string text = trimmed(lines[i].text);
-    if (text.empty() || text.front() == '#') {
-      continue;
+  for (Line& line : lines_of(data.text)) {
+    line.number += data.place.line;  // rows begin below "data: |"
+    const std::string row = trimmed(line.text);
+    if (!row.empty() && row.front() != '#') {
+      append(table, line, row_of(file, line, 3));
     }
-    if (indent_of(lines[i].text) <= indent_of(lines[data].text)) {
-      break;
-    }
-    append(table, lines[i], row_of(file, lines[i], 3));
   }
   return table;
 }
@@ -213,7 +203,7 @@ NkTable parse_nk(std::string_view text, const std::string& file) {
   }
   const std::vector<Line> lines = lines_of(text);
   const bool is_csv = text.starts_with("wl,");
-  NkTable table = is_csv ? parse_csv(lines, file) : parse_yaml(lines, file);
+  NkTable table = is_csv ? parse_csv(lines, file) : parse_yaml(text, file);
   if (table.n.empty()) {
     refuse(file, static_cast<int>(lines.size()), "holds no rows of wavelength, n and k");
   }

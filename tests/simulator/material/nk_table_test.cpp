@@ -58,6 +58,15 @@ TEST(NkTable, ReadsWhatSpreadsheetsAndEditorsWrite) {
   }
 }
 
+// Comments of the site are blocks of text or empty; a formula may stand before the table.
+TEST(NkTable, ReadsTheTableAmongOtherEntries) {
+  const NkTable table = parse_nk(
+      "COMMENTS:\nDATA:\n  - type: formula 2\n    coefficients: 0 1\n  - type: tabulated nk\n"
+      "    data: |\n        0.5 1 2\nSPECS:\n    n_is_absolute: true\n",
+      "m.yml");
+  EXPECT_EQ(table.k, std::vector<double>{2.0});
+}
+
 TEST(NkTable, RefusesAWavelengthItDoesNotHold) {
   const NkTable table = parse_nk("wl,n,k\n0.5,1,2\n0.6,2,4\n", "m.csv");
   for (const double nm : {499.0, 601.0, std::nan("")}) {
@@ -82,7 +91,10 @@ TEST(NkTable, NamesTheLineOfAMistake) {
   EXPECT_THAT(nk_error("DATA:\n  - type: formula 2\n"),
               HasSubstr("metal.yml:2: type is \"formula 2\", must be \"tabulated nk\""));
   EXPECT_THAT(nk_error("hello\n"), HasSubstr("holds no table under DATA"));
-  EXPECT_THAT(nk_error(""), HasSubstr("holds no table under DATA"));
+  EXPECT_THAT(nk_error(""), HasSubstr("metal.yml:1:1: holds no value"));
+  EXPECT_THAT(nk_error("DATA: 3\n"), HasSubstr("holds no table under DATA"));
+  EXPECT_THAT(nk_error("DATA:\n  - 3\n"), HasSubstr("metal.yml:2: type is \"\""));
+  EXPECT_THAT(nk_error("DATA: [\n"), HasSubstr("metal.yml:2:"));
   EXPECT_THAT(nk_error("wl,n,k\n"), HasSubstr("holds no rows"));
   EXPECT_THAT(nk_error("wl,n\n0.5,1\n"), HasSubstr("holds no rows"));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "hardware/poses/located_yaml.h"
+#include "core/config/located_yaml.h"
 
 #include <yaml.h>
 
@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "hardware/poses/plain_value.h"
+#include "core/config/plain_value.h"
 
 namespace glint {
 namespace {
@@ -43,7 +43,8 @@ class Event {
 
 class TreeBuilder {
  public:
-  TreeBuilder(std::string_view text, const std::string& file) : file_(file) {
+  TreeBuilder(std::string_view text, const std::string& file, YamlNulls nulls)
+      : file_(file), nulls_(nulls) {
     if (yaml_parser_initialize(&parser_) == 0) {
       throw ConfigError(file + ": no memory to read it");
     }
@@ -120,8 +121,13 @@ class TreeBuilder {
     return node;
   }
 
+  static bool is_null(const Event& event) {
+    return event.type() == YAML_SCALAR_EVENT && event.is_plain() &&
+           (event.text().empty() || event.text() == "~" || event.text() == "null");
+  }
+
   ConfigNode plain(const Event& event) const {
-    if (event.text().empty() || event.text() == "~" || event.text() == "null") {
+    if (is_null(event)) {
       fail(event.mark(), "found no value, expected one");
     }
     return plain_value(event.text());
@@ -156,6 +162,9 @@ class TreeBuilder {
       }
       Event event;
       read(event);
+      if (nulls_ == YamlNulls::kLeftOut && is_null(event)) {
+        continue;
+      }
       ConfigNode item = value(event, depth + 1);
       node.names.push_back(std::move(name));
       node.items.push_back(std::move(item));
@@ -163,19 +172,20 @@ class TreeBuilder {
   }
 
   const std::string& file_;
+  YamlNulls nulls_;
   yaml_parser_t parser_ = {};
 };
 
 }  // namespace
 
-ConfigNode parse_located_yaml(std::string_view text, const std::string& file) {
+ConfigNode parse_located_yaml(std::string_view text, const std::string& file, YamlNulls nulls) {
   if (!text.starts_with(kOpenCvHead)) {
-    return TreeBuilder(text, file).build();
+    return TreeBuilder(text, file, nulls).build();
   }
   // No directive of YAML has a colon, and its version 1.0 is refused: a comment in its place.
   std::string standard(text);
   standard.front() = '#';
-  return TreeBuilder(standard, file).build();
+  return TreeBuilder(standard, file, nulls).build();
 }
 
 }  // namespace glint

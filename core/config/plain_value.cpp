@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "hardware/poses/plain_value.h"
+#include "core/config/plain_value.h"
 
 #include <charconv>
 #include <cstdint>

@@ -103,6 +103,7 @@ fuzz_for_a_minute() { # program, name
     toml) seeds=("$root/studies/gallery/tunnel_shape" "$root/studies/gallery/gear_ring") ;;
     mesh) seeds=("$root/../shared/data/meshes") ;;
     ies) seeds=("$root/../shared/data/field/ies") ;;
+    nk) seeds=("$root/../shared/data/field/nk") ;;
     pose) seeds=("$root/../shared/data/field/handeye_franka") ;;
     robot) seeds=("$root/tests/fuzz/corpus/robot") ;;
   esac

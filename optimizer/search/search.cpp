@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <exception>
 #include <mutex>
-#include <thread>
 #include <utility>
 
+#include "core/jobs.h"
 #include "core/wall_clock.h"
 #include "optimizer/front/front.h"
 #include "optimizer/search/replay.h"
@@ -201,40 +200,12 @@ class Search {
     return missing.size() < num_missing ? std::optional(Termination::kEvaluations) : std::nullopt;
   }
 
-  /// On threads of its own: an evaluation uses the program's pool inside, and a thread that waits
-  /// there for its part of one must not begin another one meanwhile, as a pool would let it. Nor is
-  /// the number of jobs bound by the number of threads.
   void evaluate_all(const std::vector<int>& numbers) {
-    std::atomic<std::size_t> next = 0;
-    std::vector<std::exception_ptr> errors(numbers.size());
-    std::atomic<bool> has_error = false;
-    const auto work = [&] {
-      while (!has_error && !is_interrupted() && !is_out_of_time()) {
-        const std::size_t i = next++;
-        if (i >= numbers.size()) {
-          return;
-        }
-        try {
-          evaluate_one(numbers[i]);
-        } catch (...) {
-          errors[i] = std::current_exception();
-          has_error = true;
-        }
-      }
-    };
-    const std::size_t num_workers = std::min(numbers.size(), static_cast<std::size_t>(task_.jobs));
-    {
-      std::vector<std::jthread> helpers;
-      for (std::size_t i = 1; i < num_workers; ++i) {
-        helpers.emplace_back(work);
-      }
-      work();
-    }
-    for (const std::exception_ptr& error : errors) {
-      if (error) {
-        std::rethrow_exception(error);
-      }
-    }
+    run_jobs(
+        numbers.size(),
+        task_.jobs,
+        [&](std::size_t i) { evaluate_one(numbers[i]); },
+        [&] { return is_interrupted() || is_out_of_time(); });
   }
 
   void evaluate_one(int number) {

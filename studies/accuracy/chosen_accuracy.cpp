@@ -3,17 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <iterator>
 #include <mutex>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/jobs.h"
 #include "optimizer/algorithm/sobol.h"
 #include "optimizer/search/search.h"
 #include "studies/definition/accuracy_table.h"
@@ -174,35 +173,9 @@ class RungEvaluator {
     return missing;
   }
 
-  /// On threads of its own, as a search does (optimizer/search/search.cpp).
   void evaluate_all(std::size_t step, std::span<const std::size_t> candidates) {
     const std::vector<std::size_t> missing = missing_of(step, candidates);
-    std::atomic<std::size_t> next = 0;
-    std::atomic<bool> has_error = false;
-    std::vector<std::exception_ptr> errors(missing.size());
-    const auto work = [&] {
-      for (std::size_t i = next++; i < missing.size() && !has_error; i = next++) {
-        try {
-          evaluate_one(step, missing[i]);
-        } catch (...) {
-          errors[i] = std::current_exception();
-          has_error = true;
-        }
-      }
-    };
-    {
-      std::vector<std::jthread> helpers;
-      const auto jobs = static_cast<std::size_t>(std::max(1, task_.jobs));
-      for (std::size_t i = 1; i < std::min(jobs, missing.size()); ++i) {
-        helpers.emplace_back(work);
-      }
-      work();
-    }
-    for (const std::exception_ptr& error : errors) {
-      if (error) {
-        std::rethrow_exception(error);
-      }
-    }
+    run_jobs(missing.size(), task_.jobs, [&](std::size_t i) { evaluate_one(step, missing[i]); });
   }
 
   void evaluate_one(std::size_t step, std::size_t candidate) {

@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <exception>
-#include <mutex>
 #include <string>
-#include <thread>
 #include <utility>
 
+#include "core/jobs.h"
 #include "core/wall_clock.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/algorithm/sobol.h"
@@ -153,34 +151,14 @@ void BuiltDesigns::evaluate_all(const std::vector<Point>& points) {
       missing.push_back(&trial);
     }
   }
-  std::atomic<std::size_t> next = 0;
-  std::exception_ptr error;
-  std::mutex mutex;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < missing.size(); i = next++) {
-      if (interrupt_ != nullptr && *interrupt_ > 0) {
-        return;
-      }
-      try {
+  run_jobs(
+      missing.size(),
+      jobs_,
+      [&](std::size_t i) {
         missing[i]->outcome = outcome_of(missing[i]->point);
         storage_.record(TrialKind::kSearch, missing[i]->number, *missing[i]->outcome);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        error = std::current_exception();
-        next = missing.size();
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> helpers;
-    for (std::size_t i = 1; i < std::min(missing.size(), static_cast<std::size_t>(jobs_)); ++i) {
-      helpers.emplace_back(work);
-    }
-    work();
-  }
-  if (error) {
-    std::rethrow_exception(error);
-  }
+      },
+      [&] { return interrupt_ != nullptr && *interrupt_ > 0; });
 }
 
 /// A design that cannot be made is data.

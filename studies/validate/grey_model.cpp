@@ -29,7 +29,6 @@ constexpr int kMarginPx = 1;      ///< from the part's edge
 constexpr float kBright = 0.98F;  ///< at least: clipped
 constexpr int kLeastSamples = 48;
 constexpr int kFiner = 6;  ///< times the samples of fine pictures
-constexpr std::size_t kMostKept = 8;
 constexpr double kNoiseSigmas = 2.0;
 constexpr double kRounded =
     100.0;  ///< times what rounding may do: a design that is darker counts less
@@ -270,24 +269,15 @@ std::vector<ViewRows> GreyModel::view_rows() const {
   return all;
 }
 
-const Halves<GreyColumns>& GreyModel::columns(const std::vector<Eigen::Vector3d>& places_mm,
-                                              double roughness,
-                                              bool is_fine) {
+GreyModel::ColumnsPointer GreyModel::columns(const std::vector<Eigen::Vector3d>& places_mm,
+                                             double roughness,
+                                             bool is_fine) {
   const SceneChange change = change_of(places_mm, roughness);
   std::string key = fmt::format("{:.6f}{}", roughness, is_fine ? " fine" : "");
   for (const Eigen::Vector3d& place : places_mm) {
     key += fmt::format(" {:.4f} {:.4f} {:.4f}", place.x(), place.y(), place.z());
   }
-  const auto found = std::ranges::find(kept_, key, &KeptColumns::first);
-  if (found != kept_.end()) {
-    kept_.splice(kept_.begin(), kept_, found);
-  } else {
-    kept_.emplace_front(key, render(change, is_fine));
-    if (kept_.size() > kMostKept) {
-      kept_.pop_back();
-    }
-  }
-  return kept_.front().second;
+  return kept_.get(key, [&] { return render(change, is_fine); });
 }
 
 /// Half a step in units of a design, where rounding may hide as much of it; else 0.
@@ -333,7 +323,8 @@ void GreyModel::keep_rounding() {
     return;
   }
   const std::vector<Eigen::Vector3d> unmoved(lights_.size(), Eigen::Vector3d::Zero());
-  const auto& [first, second] = columns(unmoved, 1.0);
+  const ColumnsPointer designed = columns(unmoved, 1.0);
+  const auto& [first, second] = *designed;
   const Eigen::VectorXd expected = 0.5 * (first.sum + second.sum);
   for (std::size_t d = 0; d < designs_.size(); ++d) {
     rounding_[d] = rounding_of(d, expected);

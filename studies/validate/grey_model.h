@@ -5,7 +5,6 @@
 #pragma once
 
 #include <array>
-#include <list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,6 +14,7 @@
 
 #include <Eigen/Core>
 
+#include "core/cache.h"
 #include "studies/validate/grey_fit.h"
 
 namespace glint::validate_detail {
@@ -58,6 +58,8 @@ struct CameraChange {
 
 class GreyModel {
  public:
+  using ColumnsPointer = std::shared_ptr<const Halves<GreyColumns>>;
+
   GreyModel(SceneStore& store, std::span<const GreyDesign> designs);
 
   /// Of all designs: those that shine, and those whose bodies shade others.
@@ -76,12 +78,12 @@ class GreyModel {
   bool can_change_roughness() const;
 
   /// Simulated ones with lights moved, as lights and as bodies, and roughness changed; powers and
-  /// exposure stay. Valid until asked for others.
+  /// exposure stay.
   /// @param places_mm  of each light
   /// @param is_fine    with several times the samples, and other random numbers
-  const Halves<GreyColumns>& columns(const std::vector<Eigen::Vector3d>& places_mm,
-                                     double roughness,
-                                     bool is_fine = false);
+  ColumnsPointer columns(const std::vector<Eigen::Vector3d>& places_mm,
+                         double roughness,
+                         bool is_fine = false);
 
   /// The same with the cameras of all views changed; lights that are fixed to them go along. Pixels
   /// stay those of the unchanged pictures.
@@ -118,8 +120,6 @@ class GreyModel {
     int pose = -1;
   };
 
-  using KeptColumns = std::pair<std::string, Halves<GreyColumns>>;
-
   void add_views(std::size_t design, const GreyDesign& views);
   void take_shared_pose(SmallView& view) const;
   void choose_pixels();
@@ -151,7 +151,7 @@ class GreyModel {
   std::vector<double> rounding_;  ///< rounding_share() of each design
   std::vector<LitLight> lights_;
   Eigen::VectorXd real_;
-  std::list<KeptColumns> kept_;  ///< the last ones that were asked for, the latest first
+  Cache<std::string, Halves<GreyColumns>> kept_{{.max_values = 8}};
   int renders_ = 0;
 };
 

@@ -185,11 +185,11 @@ GreyState GreyProblem::start() {
   GreyState state;
   state.places.assign(model_.lights().size(), Vector3d::Zero());
   state.powers = VectorXd::Zero(static_cast<Index>(model_.designs().size()));
-  state.segments = VectorXd::Zero(columns_of(state)[0].segments.cols());
+  state.segments = VectorXd::Zero(columns_of(state)->front().segments.cols());
   return state;
 }
 
-const Halves<GreyColumns>& GreyProblem::columns_of(const GreyState& state, bool is_fine) {
+GreyModel::ColumnsPointer GreyProblem::columns_of(const GreyState& state, bool is_fine) {
   return model_.columns(state.places, std::exp(state.roughness), is_fine);
 }
 
@@ -206,7 +206,7 @@ GreyHalves GreyProblem::grey_of(const Halves<GreyColumns>& all, const GreyState&
 }
 
 GreyHalves GreyProblem::unexposed(const GreyState& state, bool is_fine) {
-  return grey_of(columns_of(state, is_fine), state);
+  return grey_of(*columns_of(state, is_fine), state);
 }
 
 GreyHalves GreyProblem::camera_slope(const GreyState& state,
@@ -309,7 +309,8 @@ GreyHalves GreyProblem::column(const GreyState& state, const GreyNumber& by) {
     }
     case GreyFault::kSegments: {
       const Index segment = model_.first_segment(by.term.of) + by.index;
-      const Halves<GreyColumns>& columns = columns_of(state);
+      const GreyModel::ColumnsPointer kept = columns_of(state);
+      const Halves<GreyColumns>& columns = *kept;
       return times({columns[0].segments.col(segment), columns[1].segments.col(segment)}, factors);
     }
     case GreyFault::kLightPlace:

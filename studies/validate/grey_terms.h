@@ -133,7 +133,7 @@ class GreyProblem {
   void reset(GreyState& state, const GreyTerm& term) const;
 
  private:
-  const Halves<GreyColumns>& columns_of(const GreyState& state, bool is_fine = false);
+  GreyModel::ColumnsPointer columns_of(const GreyState& state, bool is_fine = false);
   GreyHalves unexposed(const GreyState& state, bool is_fine = false);
   static GreyHalves grey_of(const Halves<GreyColumns>& columns, const GreyState& state);
   Eigen::VectorXd exposure_of_rows(const GreyState& state) const;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <atomic>
-#include <csignal>
 
 #include <fmt/format.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/shell/interrupts.h"
 #include "studies/imprint/imprint_run.h"
 #include "studies/imprint/imprint_tools.h"
 
@@ -14,16 +13,6 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Read by the run; a signal handler can reach nothing but a global.
-std::atomic<int> imprint_interrupts = 0;
-
-/// The first interrupt drops the parts in work, keeps the others; the second ends at once.
-void on_imprint_interrupt(int /*signal*/) {
-  if (imprint_interrupts.fetch_add(1) >= 1) {
-    ::_exit(kExitInterrupted);
-  }
-}
 
 std::string size_text(const Json& defect) {
   const std::string opening = defect.contains("length_mm")
@@ -113,19 +102,17 @@ int imprint_command(const ImprintArguments& arguments, const CommonArguments& co
   }
   const Study study = load_study(source);
   const ResultKind kind = arguments.is_preview_of_tools ? ResultKind::kTools : ResultKind::kImprint;
-  const ImprintOptions options = {.out = out_folder(source, study, kind),
-                                  .count = arguments.count,
-                                  .threads = common.threads,
-                                  .has_previews = !arguments.is_without_previews,
-                                  .progress = common.progress(),
-                                  .interrupt = &imprint_interrupts};
+  ImprintOptions options = {.out = out_folder(source, study, kind),
+                            .count = arguments.count,
+                            .threads = common.threads,
+                            .has_previews = !arguments.is_without_previews,
+                            .progress = common.progress()};
   if (arguments.is_preview_of_tools) {
     const Json result = preview_tools(study, options);
     print_result(common, result, tools_text(result));
     return kExitDone;
   }
-  std::signal(SIGINT, on_imprint_interrupt);
-  std::signal(SIGTERM, on_imprint_interrupt);
+  options.interrupt = &take_interrupts();
   const Json result = imprint_scene(study, options);
   print_result(common, result, arguments.count > 0 ? many_text(result) : one_text(result));
   return is_interrupted(result) ? kExitInterrupted : kExitDone;

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/shell/interrupts.h"
 #include "studies/inspect/inspect_folder.h"
 #include "studies/inspect/inspect_run.h"
 
@@ -20,16 +19,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxLines = 40;  ///< of the table of parts
-
-/// Read by the run; a signal handler can reach nothing but a global.
-std::atomic<int> inspect_interrupts = 0;
-
-/// The first interrupt ends after the part in work, the second at once.
-void on_inspect_interrupt(int /*signal*/) {
-  if (inspect_interrupts.fetch_add(1) >= 1) {
-    ::_exit(kExitInterrupted);
-  }
-}
 
 /// Columns of the table of parts.
 constexpr const char* kRow = "  {:<24} {:<10} {:>6} {:>12} {:>12} {:>10} {:>12} {:>12} {:>10}";
@@ -145,9 +134,7 @@ int inspect_command(const InspectArguments& arguments, const CommonArguments& co
       .is_learning = arguments.is_learning,
       .threads = common.threads,
       .progress = common.progress(),
-      .interrupt = &inspect_interrupts};
-  std::signal(SIGINT, on_inspect_interrupt);
-  std::signal(SIGTERM, on_inspect_interrupt);
+      .interrupt = &take_interrupts()};
   const Json result = inspect_parts(options);
   if (result["status"] == "interrupted") {
     print_result(common, result, "interrupted\n");

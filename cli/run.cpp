@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <csignal>
 #include <iostream>
 #include <utility>
 #include <vector>
@@ -14,6 +13,7 @@
 
 #include "cli/acquire/validation.h"
 #include "cli/commands.h"
+#include "cli/shell/interrupts.h"
 #include "cli/shell/scores_text.h"
 #include "core/text.h"
 #include "studies/accuracy/accuracy_report.h"
@@ -29,17 +29,6 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Read by the search; a signal handler can reach nothing but a global.
-std::atomic<int> interrupts = 0;
-
-/// The first interrupt lets running evaluations finish; at the second the program ends at once.
-/// Nothing is lost: every finished evaluation is already recorded.
-void on_interrupt(int /*signal*/) {
-  if (interrupts.fetch_add(1) >= 1) {
-    ::_exit(kExitInterrupted);
-  }
-}
 
 std::string score_text(const Json& scores, const std::string& name) {
   if (!scores.is_object() || !scores.contains(name)) {
@@ -161,7 +150,7 @@ int run_trial_command(const Study& study,
       {.out = arguments.out.empty() ? default_run_folder(study.name) : arguments.out,
        .threads = common.threads,
        .progress = common.progress(),
-       .interrupt = &interrupts});
+       .interrupt = &take_interrupts()});
   print_result(common, result, trial_summary(result));
   return result["status"] == "interrupted" ? kExitInterrupted : kExitDone;
 }
@@ -194,8 +183,7 @@ int run_command(const StudyArguments& arguments,
                 const CommonArguments& common) {
   const Study study = load_study(arguments);
   const AcquireArguments driven = checked_driven(study, given);
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGTERM, on_interrupt);
+  const std::atomic<int>& interrupts = take_interrupts();
   if (study.calibration_trial) {
     return run_trial_command(study, arguments, common);
   }
@@ -331,16 +319,12 @@ int render_command(const StudyArguments& arguments, const CommonArguments& commo
   const Study study = load_study(arguments);
   const std::filesystem::path out = out_folder(arguments, study, ResultKind::kRender);
   const bool is_views = arguments.is_masks || allows_many_viewpoints(study.scene);
-  if (is_views) {
-    std::signal(SIGINT, on_interrupt);
-    std::signal(SIGTERM, on_interrupt);
-  }
   const Json result = is_views ? render_views(study,
                                               {.out = out,
                                                .threads = common.threads,
                                                .has_light = !arguments.is_masks,
                                                .progress = common.progress(),
-                                               .interrupt = &interrupts})
+                                               .interrupt = &take_interrupts()})
                                : render_study(study, out, common.threads);
   std::string text = scores_text(result.value("scores", Json::object()));
   if (is_views) {

@@ -17,6 +17,7 @@
 #include "studies/compare/roughness_cause.h"
 #include "studies/compare/surface/placed_edges.h"
 #include "studies/compare/surface/simulated_surface.h"
+#include "studies/definition/scene_file.h"
 
 namespace glint {
 namespace {
@@ -285,7 +286,7 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
   PairCauses causes = {.calibrated = known.calibrated};
   const CompareSource& source = pair.simulated.source;
   if (!source.scene.empty() && !source.geometry.empty()) {
-    const SceneSettings scene = read_view_scene(source.scene);
+    const SceneSettings scene = load_scene(source.scene);
     const SimulatedSurface surface = surface_of(pair, scene);
     causes.middle_mm = surface.middle_mm();
     causes.edges = matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, known).fit;
@@ -309,8 +310,8 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
   }
   PairCauses but_gain = causes;
   but_gain.gain = 1.0;
-  const auto fit = compare_detail::fit_roughness(
-      pair, refined_scene(read_view_scene(source.scene), but_gain), store);
+  const auto fit =
+      compare_detail::fit_roughness(pair, refined_scene(load_scene(source.scene), but_gain), store);
   if (!fit || std::abs(fit->change) < kSurelySigmas * fit->sigma ||
       fit->share < kLeastShare * (1.0 - fit->gain_share)) {
     return;
@@ -369,7 +370,7 @@ SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes
 }
 
 std::string refined_toml(const CompareSource& source, const PairCauses& causes) {
-  return to_toml(write_scene(refined_scene(read_view_scene(source.scene), causes)));
+  return to_toml(write_scene(refined_scene(load_scene(source.scene), causes)));
 }
 
 }  // namespace glint

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/wall_clock.h"
 #include "studies/compare/camera/scene_camera.h"
+#include "studies/definition/scene_file.h"
 #include "studies/imaging/geometry/view_geometry.h"
 
 namespace glint {
@@ -78,7 +79,7 @@ GeometryPasses::Made GeometryPasses::make(const ComparedPicture& picture) {
   const auto start = std::chrono::steady_clock::now();
   Made made;
   try {
-    const CameraSettings camera = read_view_scene(scene).camera;
+    const CameraSettings camera = load_scene(scene).camera;
     if (camera.width_px == picture.width() && camera.height_px == picture.height()) {
       made.file = render(scene);
     } else {
@@ -99,7 +100,7 @@ fs::path GeometryPasses::render(const fs::path& scene) {
     folder_.emplace("the geometry of views");
   }
   const fs::path file = folder_->path() / fmt::format("geometry_{}.exr", num_rendered_++);
-  write_geometry(render_geometry(store_, read_view_scene(scene), kSamples), file);
+  write_geometry(render_geometry(store_, load_scene(scene), kSamples), file);
   return file;
 }
 

@@ -14,6 +14,7 @@
 #include "studies/compare/surface/named_surfaces.h"
 #include "studies/compare/surface/simulated_surface.h"
 #include "studies/compare/surface/surface_lines.h"
+#include "studies/definition/scene_file.h"
 
 namespace glint {
 namespace {
@@ -176,7 +177,7 @@ ListedEdges surface_edges(const ComparedPair& pair) {
   if (source.scene.empty() || source.geometry.empty()) {
     return {.edges = pair.geometry.edges, .unlisted = pair.geometry.unlisted};
   }
-  return EdgeFinder(pair, read_view_scene(source.scene)).find();
+  return EdgeFinder(pair, load_scene(source.scene)).find();
 }
 
 }  // namespace glint

@@ -9,6 +9,7 @@
 
 #include "studies/definition/study_text.h"
 #include "studies/frontier/frontier_folder.h"
+#include "studies/inspection_line/inspection_json.h"
 #include "studies/output/output_folder.h"
 
 namespace glint {
@@ -16,10 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
-
-Json estimate_json(const Estimate& estimate) {
-  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
-}
 
 Json detection_json(const std::optional<DetectionPoint>& point) {
   if (!point) {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "studies/inspection_line/inspection_json.h"
 #include "studies/output/provenance.h"
 #include "studies/report/report.h"
 
@@ -121,13 +122,6 @@ void add_picture(const InspectedPart& part, const std::string& picture, Json& js
   }
   json["histogram"] = {{"reach", part.histogram.reach}, {"counts", part.histogram.counts}};
   json["image"] = picture;
-}
-
-Json limits_json(const GradeLimits& limits) {
-  return {{"perfect_biggest", limits.perfect_biggest},
-          {"perfect_sum", limits.perfect_sum},
-          {"acceptable_biggest", limits.acceptable_biggest},
-          {"acceptable_sum", limits.acceptable_sum}};
 }
 
 /// On which sides of its background a defect may lie: 1 brighter, -1 darker.

@@ -10,11 +10,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/wall_clock.h"
 #include "metrics/inspection/calibration.h"
 #include "metrics/inspection/learn_limits.h"
+#include "studies/definition/scene_file.h"
 #include "studies/inspect/inspect_files.h"
 #include "studies/inspect/inspect_folder.h"
 #include "studies/inspect/inspect_page.h"
@@ -167,9 +167,7 @@ class InspectRun {
   /// The simulated line that a design's pictures come from, flawless parts included.
   const SimulatedLine& line_of(const PicturedPart& source, const InspectionSettings& settings) {
     if (line_name_ != source.name) {
-      std::vector<Problem> errors;
-      SceneSettings scene = read_scene(load_toml(source.scene), errors);
-      throw_if_any(errors);
+      SceneSettings scene = load_scene(source.scene);
       scene.inspection = settings;
       line_name_.clear();
       line_.emplace(store_, scene);

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/units.h"
 #include "simulator/camera/pinhole_camera.h"
 #include "studies/definition/scene.h"
+#include "studies/definition/scene_file.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -20,14 +20,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-SceneSettings scene_of(const fs::path& path) {
-  const ConfigNode root = load_toml(path);
-  std::vector<Problem> errors;
-  SceneSettings scene = read_scene(root, errors);
-  throw_if_any(errors);
-  return scene;
-}
 
 constexpr double kLeastSeenPx = 1.0;  ///< what `glint render` sees less of has no window either
 
@@ -102,7 +94,7 @@ double KnownDefect::distance_px(const Vector2d& point) const {
 }
 
 std::vector<KnownDefect> read_known_defects(const fs::path& defects, const fs::path& scene) {
-  const Reader reader(scene_of(scene));
+  const Reader reader(load_scene(scene));
   std::vector<KnownDefect> known;
   try {
     const nlohmann::json list = nlohmann::json::parse(read_file(defects));

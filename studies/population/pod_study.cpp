@@ -10,6 +10,7 @@
 #include "core/csv.h"
 #include "core/file.h"
 #include "metrics/statistics/pod.h"
+#include "studies/inspection_line/inspection_json.h"
 
 namespace glint {
 namespace {
@@ -34,10 +35,6 @@ struct PodDesign {
   std::int64_t flawless_scans = 0;
   std::int64_t flawless_blobs = 0;
 };
-
-int flawless_of(const PodSettings& settings, const PopulationDesign& design) {
-  return design.prototype == nullptr ? settings.flawless : settings.prototype_flawless;
-}
 
 int num_parts(const PodSettings& settings) {
   return settings.levels * settings.parts;

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/cpu_clock.h"
+#include "studies/inspection_line/inspection_json.h"
 
 namespace glint {
 namespace {
@@ -137,10 +138,6 @@ Scores inspect_flawless(const SimulatedLine& line, double threshold, std::int64_
   const std::int64_t first = line.scene().inspection.trials.flawless;
   const ScannedPart part = line.flawless(first + number);
   return {{"blobs", static_cast<double>(line.inspect(part, threshold).size())}};
-}
-
-Json estimate_json(const Estimate& estimate) {
-  return {{"value", estimate.value}, {"low", estimate.low}, {"high", estimate.high}};
 }
 
 Json false_alarms_json(std::int64_t blobs, std::int64_t scans, double confidence) {

@@ -42,6 +42,12 @@ struct PopulationDesign {
   const Prototype* prototype = nullptr;
 };
 
+/// How many flawless parts are scanned of a design. @param settings  of [pod] or [sorting]
+template <class Settings>
+int flawless_of(const Settings& settings, const PopulationDesign& design) {
+  return design.prototype == nullptr ? settings.flawless : settings.prototype_flawless;
+}
+
 std::vector<PopulationDesign> population_designs(const Study& study);
 
 /// Its simulated line. @throws ConfigError with the place of the value at fault
@@ -100,9 +106,6 @@ double recorded_threshold(PartRecords& records, const SimulatedLine& line, const
 /// Numbers begin where those of the threshold's own scans end.
 Scores inspect_flawless(const SimulatedLine& line, double threshold, std::int64_t number);
 
-/// { value, low, high }
-nlohmann::ordered_json estimate_json(const Estimate& estimate);
-
 /// { scans, blobs, per_part: { value, low, high } } with Garwood's interval
 nlohmann::ordered_json false_alarms_json(std::int64_t blobs, std::int64_t scans, double confidence);
 
@@ -115,8 +118,8 @@ struct PopulationPace {
   double flawless_s = 0.0;
 };
 
-/// The first multiples of it, modulo count, are spread over 0 to count - 1 and are all different: parts
-/// of all sizes, as those whose defects are found take longer.
+/// The first multiples of it, modulo count, are spread over 0 to count - 1 and are all different:
+/// parts of all sizes, as those whose defects are found take longer.
 /// @param count  >= 1
 std::int64_t spread_stride(std::int64_t count);
 

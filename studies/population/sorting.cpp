@@ -11,6 +11,7 @@
 #include "core/csv.h"
 #include "core/file.h"
 #include "metrics/inspection/learn_limits.h"
+#include "studies/inspection_line/inspection_json.h"
 #include "studies/population/sorting_parts.h"
 
 namespace glint {
@@ -41,10 +42,6 @@ int parts_of(const SortingSettings& settings, const PopulationDesign& design) {
                                      : std::min(settings.parts, settings.prototype_parts);
 }
 
-int flawless_of(const SortingSettings& settings, const PopulationDesign& design) {
-  return design.prototype == nullptr ? settings.flawless : settings.prototype_flawless;
-}
-
 std::vector<SortedPart> tested(const std::vector<SortedPart>& parts) {
   std::vector<SortedPart> some;
   std::ranges::copy_if(
@@ -59,13 +56,6 @@ int count_right(const std::vector<SortedPart>& parts, const LearnedLimits& limit
 
 Json share_json(int hits, std::size_t trials, double confidence) {
   return estimate_json(wilson(hits, static_cast<std::int64_t>(trials), confidence));
-}
-
-Json limits_json(const GradeLimits& limits) {
-  return {{"perfect_biggest", limits.perfect_biggest},
-          {"perfect_sum", limits.perfect_sum},
-          {"acceptable_biggest", limits.acceptable_biggest},
-          {"acceptable_sum", limits.acceptable_sum}};
 }
 
 /// Rows are the expert's classes, columns the line's.

@@ -10,6 +10,7 @@
 #include "core/log.h"
 #include "optimizer/algorithm/merit.h"
 #include "studies/compare/camera/scene_camera.h"
+#include "studies/definition/scene_file.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/validate/validated_scene.h"
 
@@ -88,7 +89,7 @@ Json rescore_designs(SceneStore& store,
   Leader before;
   Leader after;
   for (const std::string& name : designs) {
-    const SceneSettings scene = read_design_scene(run / name / "scene.toml");
+    const SceneSettings scene = load_scene(run / name / "scene.toml");
     const Score first = score_of(store, scene, study.goal);
     const Score second = score_of(store, refitted_scene(scene, refit), study.goal);
     before.see(first, name, study.goal.objective.is_maximised);

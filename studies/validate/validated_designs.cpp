@@ -11,6 +11,7 @@
 #include "core/file.h"
 #include "core/text.h"
 #include "studies/acquire/light_difference.h"
+#include "studies/definition/scene_file.h"
 #include "studies/definition/scene_viewpoints.h"
 #include "studies/output/staged_folder.h"
 #include "studies/validate/validated_scene.h"
@@ -97,8 +98,7 @@ class Finder {
   std::vector<std::string> wanted(const std::string& designs) {
     std::string list = designs;
     if (list.empty()) {
-      const SceneSettings scene =
-          read_design_scene(run_ / sources_.run_designs.front() / "scene.toml");
+      const SceneSettings scene = load_scene(run_ / sources_.run_designs.front() / "scene.toml");
       list = scene.validate ? scene.validate->designs : "";
     }
     std::vector<std::string> names = names_in(list);
@@ -133,7 +133,7 @@ class Finder {
     check_lights(name);
     // One after the other: GCC 12 destroys `nominal` twice where `.real` throws after a member that
     // was left out between them.
-    auto nominal = read_design_scene(run_ / name / "scene.toml");
+    auto nominal = load_scene(run_ / name / "scene.toml");
     auto real = read_real_design(name, folder);
     ValidatedDesign design = {.name = name, .nominal = std::move(nominal), .real = std::move(real)};
     sources_.notes.insert(sources_.notes.end(), design.real.notes.begin(), design.real.notes.end());

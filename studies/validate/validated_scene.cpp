@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "core/config/toml.h"
 #include "core/error.h"
 #include "core/units.h"
 #include "studies/compare/camera/scene_camera.h"
@@ -139,13 +138,6 @@ void add_unseen(const PinholeIntrinsics& in, GeometryBudget& budget) {
 }
 
 }  // namespace
-
-SceneSettings read_design_scene(const fs::path& file) {
-  std::vector<Problem> errors;
-  SceneSettings scene = read_scene(load_toml(file), errors);
-  throw_if_any(errors);
-  return scene;
-}
 
 void take_calibration(const fs::path& file, SceneSettings& scene) {
   const SceneSettings calibrated = read_calibrated_scene(file);

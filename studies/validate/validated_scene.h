@@ -14,9 +14,6 @@
 
 namespace glint {
 
-/// Reads scene.toml of a design. @throws ConfigError, IoError
-SceneSettings read_design_scene(const std::filesystem::path& file);
-
 /// Takes camera and hand-eye of a calibration.toml; all else stays. The picture's size must be the
 /// same. @throws ConfigError, IoError
 void take_calibration(const std::filesystem::path& file, SceneSettings& scene);

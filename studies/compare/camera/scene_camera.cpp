@@ -19,13 +19,6 @@ SceneSettings read_calibrated_scene(const std::filesystem::path& file) {
   return calibrated;
 }
 
-SceneSettings read_view_scene(const std::filesystem::path& file) {
-  std::vector<Problem> errors;
-  SceneSettings scene = read_scene(load_toml(file), errors);
-  throw_if_any(errors);
-  return scene;
-}
-
 void put_intrinsics(const PinholeIntrinsics& in, SceneSettings& scene) {
   CameraSettings& camera = scene.camera;
   camera.focal_x_px = in.focal_px.x();

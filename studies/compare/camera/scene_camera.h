@@ -15,9 +15,6 @@ namespace glint {
 /// @throws ConfigError when it has no table [camera], IoError
 SceneSettings read_calibrated_scene(const std::filesystem::path& file);
 
-/// scene.toml of a rendered view. @throws ConfigError, IoError
-SceneSettings read_view_scene(const std::filesystem::path& file);
-
 /// Puts "camera.focal_x_px" and so on into a scene, as intrinsics_of() has them.
 void put_intrinsics(const PinholeIntrinsics& intrinsics, SceneSettings& scene);
 

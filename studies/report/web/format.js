@@ -91,11 +91,13 @@ export class Facts {
   /** The most trustworthy value: with fresh seeds when there is one. */
   value(design, name) { return design.rescored?.[name] ?? design.scores?.[name]; }
 
-  /** The limit of a constraint as "≥ 3", "≤ 1.0 %". */
+  /** The limit of a constraint as it was set: "≥ 3", "≤ 1 %". */
   limit(constraint) {
+    const isPercent = this.info(constraint.name).format === 'percent';
+    const written = (value) => (isPercent ? `${number(100 * value, 8)}\u00a0%` : number(value, 8));
     const parts = [];
-    if (isNumber(constraint.min)) parts.push(`\u2265 ${this.score(constraint.name, constraint.min)}`);
-    if (isNumber(constraint.max)) parts.push(`\u2264 ${this.score(constraint.name, constraint.max)}`);
+    if (isNumber(constraint.min)) parts.push(`\u2265 ${written(constraint.min)}`);
+    if (isNumber(constraint.max)) parts.push(`\u2264 ${written(constraint.max)}`);
     return parts.join(' and ');
   }
 

@@ -29,6 +29,11 @@ assert.equal(facts.scoreWithError('h', { h: 0.8312, 'h.error': 0.00063 }), '83.1
 assert.equal(facts.scoreWithError('d', { d: 12.345, 'd.error': 1.24 }), '12.3 \u00b1 1.2');
 assert.equal(facts.scoreWithError('d', { d: 3 }), '3.00');
 
+// Limits are written as they were set.
+assert.equal(facts.limit({ name: 'h', min: 0.99555 }), '\u2265 99.555\u00a0%');
+assert.equal(facts.limit({ name: 'h', max: 0.07 }), '\u2264 7\u00a0%');
+assert.equal(facts.limit({ name: 'd', min: 3, max: 1234.56 }), '\u2265 3 and \u2264 1234.56');
+
 // Names in words; numbers of a list count from 1 or have their axis.
 assert.deepEqual(shortNames(['lighting.tunnel.radius_mm', 'lighting.tunnel.control_mm.2', 'part.rotation_deg.0', 'lighting.ring.position_mm.2', 'lighting.ring.segment_power.0', 'defects.dent.height_um']),
   ['radius (mm)', 'control point 3 (mm)', 'rotation about x (\u00b0)', 'position z (mm)', 'power of segment 1', 'height (\u00b5m)']);

@@ -231,7 +231,7 @@ std::vector<KeyValue> key_values(const std::vector<std::string>& sets);
 ConfigError with_option_names(const ConfigError& error);
 
 /// Reads a study as the arguments say.
-Study load_study(const StudyArguments& arguments);
+Study load_study(const StudyArguments& arguments, SceneUse use = SceneUse::kPictures);
 
 /// --out, or the verb's own folder.
 std::filesystem::path out_folder(const StudyArguments& arguments,

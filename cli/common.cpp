@@ -33,12 +33,12 @@ ConfigError with_option_names(const ConfigError& error) {
   return ConfigError(std::move(problems));
 }
 
-Study load_study(const StudyArguments& arguments) {
+Study load_study(const StudyArguments& arguments, SceneUse use) {
   std::vector<KeyValue> sets = key_values(arguments.sets);
   if (arguments.seed) {
     sets.push_back({.path = "search.seed", .value = fmt::format("{}", *arguments.seed)});
   }
-  Study study = load_study(arguments.study, sets);
+  Study study = load_study(arguments.study, sets, use);
   if (!arguments.budget.empty()) {
     const auto seconds = parse_duration_s(arguments.budget);
     if (!seconds || *seconds <= 0.0) {

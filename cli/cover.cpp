@@ -66,7 +66,7 @@ std::string coverage_text(const Json& result) {
 }  // namespace
 
 int cover_command(const CoverArguments& arguments, const CommonArguments& common) {
-  const Study study = load_study(arguments.study);
+  const Study study = load_study(arguments.study, SceneUse::kCoverage);
   const Json result = cover_study(study,
                                   {.out = out_folder(arguments.study, study, ResultKind::kCover),
                                    .pod = arguments.pod,

@@ -130,7 +130,7 @@ std::vector<Problem> check_level(const SceneSettings& scene) {
                      "this scene needs \"auto\" or \"paths\"",
                      method_name(method)));
   }
-  if (allows_many_viewpoints(scene)) {
+  if (allows_many_viewpoints(scene) || scene.use == SceneUse::kCoverage) {
     return errors;
   }
   if (scene.viewpoints.size() != 1) {
@@ -303,8 +303,9 @@ const std::vector<std::string>& scene_tables() {
   return names;
 }
 
-SceneSettings read_scene(const ConfigNode& root, std::vector<Problem>& errors) {
+SceneSettings read_scene(const ConfigNode& root, std::vector<Problem>& errors, SceneUse use) {
   SceneSettings scene;
+  scene.use = use;
   for (const SceneTable& table : tables_of_scene()) {
     table.read(root, table.name, scene, errors);
   }

@@ -34,7 +34,14 @@
 
 namespace glint {
 
+/// What a scene's viewpoints are for.
+enum class SceneUse {
+  kPictures,  ///< they are rendered or scanned: a scan of a mirror has one
+  kCoverage   ///< each is looked from by itself, whatever the light: as many as one likes
+};
+
 struct SceneSettings {
+  SceneUse use = SceneUse::kPictures;  ///< of who reads the scene, not of its file
   PartSettings part;
   MaterialSettings material;
   CameraSettings camera;
@@ -102,7 +109,9 @@ const std::vector<std::string>& scene_tables();
 
 /// Reads a scene. Tables that are no scene's are left to the caller.
 /// @param errors  grows by the problems found
-SceneSettings read_scene(const ConfigNode& root, std::vector<Problem>& errors);
+SceneSettings read_scene(const ConfigNode& root,
+                         std::vector<Problem>& errors,
+                         SceneUse use = SceneUse::kPictures);
 
 /// Makes of the scene that was read from `root` the one that would be read if the tables in
 /// `changed` stood in the place of those of the same name: only these are read and checked, with

@@ -311,7 +311,7 @@ std::vector<fs::path> input_files(const Study& study) {
   return files;
 }
 
-Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
+Study load_study(const fs::path& path, const std::vector<KeyValue>& sets, SceneUse use) {
   Study study;
   study.root = load_toml(path);
   study.root.place.file = path.string();
@@ -324,7 +324,7 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets) {
   std::vector<Problem> errors;
   check_tables(study.root, errors);
   check_holds_scene(study.root, errors);
-  study.scene = read_scene(study.root, errors);
+  study.scene = read_scene(study.root, errors, use);
   throw_if_any(errors);  // what follows builds on a scene that can be read
   study.resolved = write_scene(study.scene);
   read_study_tables(study, errors);

@@ -65,7 +65,9 @@ struct KeyValue {
 };
 
 /// Reads and checks a study. @throws ConfigError with every problem, IoError
-Study load_study(const std::filesystem::path& path, const std::vector<KeyValue>& sets);
+Study load_study(const std::filesystem::path& path,
+                 const std::vector<KeyValue>& sets,
+                 SceneUse use = SceneUse::kPictures);
 
 /// All files that a study and its prototypes are read from, and folders of tools: its own and those
 /// it includes, and those of its scenes.

@@ -61,10 +61,12 @@ samples = 4
 
 class CoverStudy : public ::testing::Test {
  protected:
-  Json cover(const std::string& text, const fs::path& pod = {}) {
+  Json cover(const std::string& text,
+             const fs::path& pod = {},
+             SceneUse use = SceneUse::kPictures) {
     write_file(folder_ / "scene.toml", text);
     return cover_study(
-        load_study(folder_ / "scene.toml", {}),
+        load_study(folder_ / "scene.toml", {}, use),
         {.out = folder_ / "out", .pod = pod, .threads = 2, .progress = Progress::Style::kNone});
   }
 
@@ -254,6 +256,55 @@ TEST_F(CoverStudy, RefusesACameraInThePartWithItsPlace) {
   EXPECT_THAT([&] { cover(text); },
               ThrowsMessage<ConfigError>(AllOf(HasSubstr("scene.toml"), HasSubstr("viewpoint.1"))));
   EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+/// A mirror plate under a semicylinder of 100 mm radius and 120 mm length; the cameras look
+/// straight down.
+constexpr const char* kMirror = R"(
+schema = 1
+[part]
+shape = "plate"
+length_mm = 100
+width_mm = 40
+thickness_mm = 2
+[camera]
+width_px = 240
+height_px = 180
+object_pixel_mm = 0.8
+working_distance_mm = 400
+[scan]
+positions = 8
+[lighting.tunnel]
+shape = "semicylinder"
+radius_mm = 100
+length_mm = 120
+slot_mm = 20
+blocks_view = false
+[coverage]
+points = 2000
+)";
+
+std::string view_from_above(int x_mm) {
+  return "[[viewpoint]]\nposition_mm = [" + std::to_string(x_mm) +
+         ", 0, 400]\ndirection = [0, 0, -1]\nup = [0, 1, 0]\n";
+}
+
+// From x = -80 mm mirrored rays meet the wall about 20 mm further in x than from above the middle.
+// The plate's end at x = -50 shows light at half of the tunnel's eight positions then, which from
+// the middle begins at -43 mm; the picture ends at x = 16 mm.
+TEST_F(CoverStudy, LooksAtAMirrorUnderATunnelFromEachOfItsViews) {
+  const std::string both = kMirror + view_from_above(0) + view_from_above(-80);
+  const Json first = cover(kMirror + view_from_above(0), {}, SceneUse::kCoverage);
+  const Json second = cover(kMirror + view_from_above(-80), {}, SceneUse::kCoverage);
+  const Json result = cover(both, {}, SceneUse::kCoverage);
+  ASSERT_EQ(result["views"].size(), 2U);
+  const auto sees = [&](std::size_t view) { return result["views"][view]["sees"].get<double>(); };
+  EXPECT_NEAR(sees(0), first["c1"].get<double>(), 1e-12);
+  EXPECT_NEAR(sees(1), second["c1"].get<double>(), 1e-12);
+  EXPECT_GT(result["views"][0]["only"].get<double>(), 0.01);
+  EXPECT_GT(result["views"][1]["only"].get<double>(), 0.01);
+  EXPECT_THAT([&] { cover(both); },
+              ThrowsMessage<ConfigError>(HasSubstr("a scan has exactly one [[viewpoint]]")));
 }
 
 TEST_F(CoverStudy, LeavesTheFolderOfAnotherVerbAlone) {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "simulator/render/path_tracing/surface_point.h"
+#include "studies/definition/render_methods.h"
 #include "studies/imaging/path_picture.h"
 
 namespace glint {
@@ -109,8 +110,11 @@ class MirrorPlaces {
   std::vector<StripePattern> patterns_;
 };
 
-/// The scene without defects and from one viewpoint, with fewer and larger pixels.
-SceneSettings coarse(SceneSettings scene, const Viewpoint& viewpoint, int samples) {
+/// The scene without defects and from one viewpoint, with fewer and larger pixels. Where
+/// reflections are summed around kept rays the material decides: rough metal spreads light, and no
+/// ray of a mirror tells what it shows.
+SceneSettings coarse(const SceneSettings& whole, const Viewpoint& viewpoint, int samples) {
+  SceneSettings scene = without_blurred_method(whole);
   const PinholeIntrinsics in = intrinsics_of(scene);
   CameraSettings& camera = scene.camera;
   camera.width_px = (in.width_px + kFactor - 1) / kFactor;

@@ -32,9 +32,9 @@ struct PlaceLight {
   bool is_hidden = false;  ///< a light stands between camera and place
 };
 
-/// The light of the part without its defects. Of a mirror under a tunnel by one ray for each
-/// place; of all else from a picture of a quarter of the resolution, blurred over 3 x 3 of its
-/// pixels of the same surface.
+/// The light of the part without its defects. Of a mirror under a tunnel (level 0) by one ray for
+/// each place; of all else, rough metal of blurred reflections too, from a picture of a quarter of
+/// the resolution, blurred over 3 x 3 of its pixels of the same surface.
 /// @param samples  paths for each pixel of that picture
 /// @return as many as places
 /// @throws ConfigError beginning with the key at fault, IoError

@@ -242,6 +242,13 @@ bool is_blurred(const SceneSettings& scene) {
   return scene.render.method == RenderMethod::kBlurred;
 }
 
+SceneSettings without_blurred_method(SceneSettings scene) {
+  if (is_blurred(scene)) {
+    scene.render.method = RenderMethod::kAuto;
+  }
+  return scene;
+}
+
 std::vector<Problem> blurred_problems(const SceneSettings& scene) {
   return BlurredRange(scene).problems();
 }

@@ -33,6 +33,10 @@ FrameMethod frame_method(const SceneSettings& scene);
 /// Whether render.method asks for blurred reflections.
 bool is_blurred(const SceneSettings& scene);
 
+/// The scene as its material has it rendered where blurred reflections are asked for: rough metal
+/// by paths, a mirror by its rays. For those who look at single places of the part.
+SceneSettings without_blurred_method(SceneSettings scene);
+
 /// What of the scene blurred reflections do not model, whatever render.method is: each with its key
 /// and without a place; none: they may render it, if the light of its part never meets the part
 /// again (studies/imaging/blurred).

@@ -79,6 +79,29 @@ TEST(LightOfPlaces, OfAMirrorHasTheMeanOfTheStripes) {
   EXPECT_FALSE(lights[0].is_hidden);
 }
 
+// The same rays of rough metal are spread over the wall beside the slot and beyond its ends: it is
+// bright where a mirror would be dark, as the paths of a coarse picture say, whichever way imaging
+// takes.
+TEST(LightOfPlaces, OfRoughMetalUnderATunnelIsThatOfPaths) {
+  SceneSettings scene = mirror_scene();
+  scene.camera.width_px = 240;
+  scene.camera.height_px = 240;
+  scene.camera.object_pixel_mm = 0.5;
+  scene.material.type = MaterialSettings::Type::kConductor;
+  scene.material.roughness = 0.3;
+  scene.render.method = RenderSettings::Method::kBlurred;
+  const std::vector<SeenPlace> places = {place_at(scene, {0.0, 0.0, 0.0}),
+                                         place_at(scene, {-49.0, 15.0, 0.0})};
+  const auto blurred = light_of(scene, places);
+  scene.render.method = RenderSettings::Method::kPaths;
+  const auto traced = light_of(scene, places);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    EXPECT_EQ(blurred[i].lit_share, 1.0);
+    EXPECT_EQ(blurred[i].mean, traced[i].mean);
+    EXPECT_GT(blurred[i].mean, 0.05);
+  }
+}
+
 // The camera's sight line to (0, 15, 0) passes the wall's height, 99 mm, at y = 11.3: it goes
 // through the slot of 24 mm but not through one of 20 mm.
 TEST(LightOfPlaces, OfAMirrorIsHiddenByTheWallBesideTheSlot) {

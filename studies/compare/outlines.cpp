@@ -191,35 +191,63 @@ Eigen::Vector2d middle_of(const ImageF& coverage) {
   return sum.head<2>() / sum.z();
 }
 
-/// Edges along the outline that the renderer knows, in place of those around what is bright; and
-/// the regions within it where most of it shows in the real picture. The rest of the real outline
-/// is the simulated one moved as a whole.
+/// Edges of a part that is darker than what is around it have the other sign.
+ImageF negative_of(ImageF picture) {
+  for (float& grey : picture.values()) {
+    grey = 1.0F - grey;
+  }
+  return picture;
+}
+
+/// Outlines found along the one that the renderer knows. A cut is there because brightness tells
+/// nothing: it stays unless most of the outline shows, with either sign of its edges.
+std::optional<compare_detail::GuidedOutlines> guided(const ComparedPicture& simulated,
+                                                     const ComparedPicture& real,
+                                                     const Mask& truth,
+                                                     OutlinePair& found) {
+  const double reach_px = kMostApartShare * real.width();
+  const Eigen::Vector2d shift_px =
+      middle_of(found.real.coverage) - middle_of(found.simulated.coverage);
+  const auto along = [&](const ImageF& picture) {
+    return compare_detail::guided_outlines(
+        simulated.grey, picture, truth, found.real.located, reach_px, shift_px);
+  };
+  auto result = along(real.grey);
+  const auto is_well_shown = [&] { return result && result->share >= kWellShown; };
+  if (found.real.method == OutlineMethod::kGrabCut && !is_well_shown()) {
+    result = along(negative_of(real.grey));
+    if (!is_well_shown()) {
+      return std::nullopt;
+    }
+    found.notes.emplace_back(
+        "Beside the part one picture is darker and the other brighter than the part: real edges of "
+        "the other sign were looked for along its outline.");
+  }
+  return result;
+}
+
+/// Edges along the outline that the renderer knows, in place of those around what is bright or of a
+/// cut; and the regions within it where most of it shows in the real picture. The rest of the real
+/// outline is the simulated one moved as a whole.
 void guide(const ComparedPicture& simulated, const ComparedPicture& real, OutlinePair& found) {
   const std::filesystem::path& mask = simulated.source.mask;
   if (mask.empty()) {
     return;
   }
-  const double reach_px = kMostApartShare * real.width();
-  auto guided = compare_detail::guided_outlines(
-      simulated.grey,
-      real.grey,
-      read_mask(mask, real.width(), real.height()),
-      found.real.located,
-      reach_px,
-      middle_of(found.real.coverage) - middle_of(found.simulated.coverage));
-  if (!guided) {
+  auto outlines = guided(simulated, real, read_mask(mask, real.width(), real.height()), found);
+  if (!outlines) {
     return;
   }
-  found.motion = guided->motion;
-  found.shown = guided->share;
-  const bool is_well_shown = guided->share >= kWellShown;
-  take(std::move(guided->simulated), OutlineMethod::kTruth, is_well_shown, found.simulated);
-  take(std::move(guided->real), OutlineMethod::kGuided, is_well_shown, found.real);
+  found.motion = outlines->motion;
+  found.shown = outlines->share;
+  const bool is_well_shown = outlines->share >= kWellShown;
+  take(std::move(outlines->simulated), OutlineMethod::kTruth, is_well_shown, found.simulated);
+  take(std::move(outlines->real), OutlineMethod::kGuided, is_well_shown, found.real);
   if (!is_well_shown) {
     found.notes.push_back(
         fmt::format("The real picture has {:.0f} % of the outline's edges that the simulated one "
                     "has.",
-                    100.0 * guided->share));
+                    100.0 * found.shown));
   }
 }
 
@@ -327,11 +355,11 @@ OutlinePair find_outlines(const ComparedPicture& simulated,
     found.simulated =
         outline_in(simulated, masks->simulated, finder.factor(), masks->simulated_method);
     found.real = outline_in(real, masks->real, finder.factor(), masks->real_method);
-    if (masks->real_method != OutlineMethod::kGrabCut ||
+    if (choice == OutlineChoice::kAuto && masks->real_method != OutlineMethod::kMask) {
+      guide(simulated, real, found);
+    }
+    if (found.real.method != OutlineMethod::kGrabCut ||
         located_share(found.real) >= kLeastLocated) {
-      if (choice == OutlineChoice::kAuto && masks->real_method == OutlineMethod::kThreshold) {
-        guide(simulated, real, found);
-      }
       return found;
     }
     if (choice == OutlineChoice::kGrabCut) {

@@ -21,7 +21,7 @@ enum class OutlineMethod {
   kTruth,      ///< the simulated picture's own coverage
   kThreshold,  ///< brighter than the background
   kGrabCut,    ///< by a cut around where the simulation says it is
-  kGuided,     ///< brighter than the background, edges looked for along the simulated outline
+  kGuided,     ///< by either of the two, edges looked for along the simulated outline
   kInner       ///< not at all: edges inside the pictures serve
 };
 

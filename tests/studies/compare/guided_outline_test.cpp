@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "studies/compare/compared_pair.h"
@@ -20,6 +21,7 @@ struct PlateDrawing {
   double dark = 0.05;
   double side_from_px = 100.0;  ///< across the plate; the face that is seen beyond it has one grey
   double side = 0.05;
+  double ground = 0.005;
   double noise = 0.003;
   std::uint64_t index = 0;
 };
@@ -39,7 +41,7 @@ ImageF drawn_plate(const PlateDrawing& drawing) {
     const double across = std::cos(0.2) * v - std::sin(0.2) * u;
     const double side = 0.5 * std::erfc((drawing.side_from_px - across) / (std::sqrt(2.0) * 0.6));
     const double face = drawing.dark + 0.5 * lit;
-    return 0.005 + (face + side * (drawing.side - face)) * share;
+    return drawing.ground + (0.005 - drawing.ground + face + side * (drawing.side - face)) * share;
   });
   add_normal_noise(picture, drawing.noise, drawing.index);
   return picture;
@@ -111,6 +113,33 @@ TEST_F(GuidedOutlineTest, IsNotSqueezedOntoTheRimOfABrightFace) {
     ASSERT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGuided);
     EXPECT_LT(pair.geometry.distance.mean_px, 0.3);
   }
+}
+
+// Before a bright wall no part is the brighter one: a cut finds it, and takes the dark half with it
+// only about. Its edges lie where they do before a dark one.
+TEST_F(GuidedOutlineTest, IsThePartsBeforeABrightGround) {
+  const ComparedPair pair =
+      compare({.ground = 0.9}, {.lit_to_px = 17.0, .ground = 0.9, .index = 1}, true);
+  EXPECT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGuided);
+  EXPECT_LT(pair.geometry.distance.mean_px, 0.1);
+  EXPECT_GT(pair.geometry.distance.share, 0.8);
+  EXPECT_GT(pair.geometry.iou.value(), 0.995);
+}
+
+// Nothing is rendered behind the part; in the photograph there is a bright wall.
+TEST_F(GuidedOutlineTest, HasEdgesOfTheOtherSignBeforeABrightGround) {
+  const PlateDrawing simulated = {.lit_to_px = 100.0};
+  PlateDrawing real = {.shift_x_px = 2.0, .lit_to_px = 100.0, .ground = 0.95, .index = 1};
+  const ComparedPair pair = compare(simulated, real, true);
+  ASSERT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGuided);
+  EXPECT_THAT(pair.notes, ::testing::Contains(::testing::HasSubstr("of the other sign")));
+  std::vector<double> apart;
+  for (const EdgeOffset& edge : pair.geometry.offsets) {
+    apart.push_back(std::abs(edge.offset_px - 2.0 * edge.normal.x()));
+  }
+  std::ranges::sort(apart);
+  ASSERT_GT(apart.size(), 200U);
+  EXPECT_LT(apart[apart.size() / 2], 0.1);
 }
 
 // Both sides are found alike: equal pictures do not differ by the last bit.

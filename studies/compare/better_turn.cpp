@@ -3,9 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "core/image/image_io.h"
 #include "metrics/appearance/grey_match.h"
+#include "metrics/overlap/region_overlap.h"
+#include "metrics/shape/silhouette.h"
 
 namespace glint {
 namespace {
@@ -13,6 +19,9 @@ namespace {
 constexpr int kSmallPx = 100;
 constexpr double kClearlyBetter = 0.1;
 constexpr double kFits = 0.6;
+constexpr double kInsideBetter = 0.25;     ///< of correlations within the part
+constexpr double kSameOutline = 0.02;      ///< by which its overlap may be less than as it is
+constexpr std::ptrdiff_t kInsidePx = 200;  ///< of the small pictures that tell anything
 
 struct Turn {
   const char* name;
@@ -29,8 +38,10 @@ constexpr std::array<Turn, 7> kTurns = {{{"mirrored from left to right", true, f
                                          {"mirrored about a diagonal", false, false, true},
                                          {"mirrored about the other diagonal", true, true, true}}};
 
-ImageF turned(const ImageF& picture, const Turn& turn) {
-  ImageF result(picture.width(), picture.height());
+/// @tparam Picture  an Image
+template <class Picture>
+Picture turned(const Picture& picture, const Turn& turn) {
+  Picture result(picture.width(), picture.height());
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) {
       const int u = turn.flips_x ? picture.width() - 1 - x : x;
@@ -45,15 +56,76 @@ ImageF small_of(const ImageF& picture) {
   return reduce(picture, std::max(1, std::max(picture.width(), picture.height()) / kSmallPx));
 }
 
-}  // namespace
+/// A part in a small picture.
+struct SmallPart {
+  ImageF grey;
+  Mask mask;
+};
 
-std::optional<BetterTurn> find_better_turn(const ImageF& simulated, const ImageF& real) {
-  const ImageF first = small_of(simulated);
-  const ImageF second = small_of(real);
+/// Pixels of both parts but for those at a rim.
+Mask inside_both(const Mask& first, const Mask& second) {
+  Mask inside(first.width(), first.height());
+  const auto is_on = [&](int x, int y) { return first(x, y) != 0 && second(x, y) != 0; };
+  for (int y = 1; y + 1 < first.height(); ++y) {
+    for (int x = 1; x + 1 < first.width(); ++x) {
+      const bool is_inside =
+          is_on(x, y) && is_on(x - 1, y) && is_on(x + 1, y) && is_on(x, y - 1) && is_on(x, y + 1);
+      inside(x, y) = is_inside ? 1 : 0;
+    }
+  }
+  return inside;
+}
+
+/// Without the plane through its greys in a region: light from the other side is no turn.
+ImageF without_slope(const ImageF& grey, const Mask& region) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() * 1e-9;
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  const auto place = [&](int x, int y) {
+    return Eigen::Vector3d(1.0, x - 0.5 * grey.width(), y - 0.5 * grey.height());
+  };
+  for (int y = 0; y < grey.height(); ++y) {
+    for (int x = 0; x < grey.width(); ++x) {
+      if (region(x, y) != 0) {
+        normal += place(x, y) * place(x, y).transpose();
+        right += static_cast<double>(grey(x, y)) * place(x, y);
+      }
+    }
+  }
+  const Eigen::Vector3d plane = normal.ldlt().solve(right);
+  ImageF rest = grey;
+  for (int y = 0; y < grey.height(); ++y) {
+    for (int x = 0; x < grey.width(); ++x) {
+      rest(x, y) -= static_cast<float>(plane.dot(place(x, y)));
+    }
+  }
+  return rest;
+}
+
+struct InsideMatch {
+  double overlap = 0.0;      ///< IoU of the parts
+  double correlation = 0.0;  ///< of their greys, without their slopes
+};
+
+InsideMatch inside_match(const SmallPart& first, const SmallPart& second) {
+  const Mask region = inside_both(first.mask, second.mask);
+  const bool is_enough = std::ranges::count(region.values(), 1) >= kInsidePx;
+  return {.overlap = overlap_of(first.mask, second.mask).iou,
+          .correlation = is_enough ? correlation_of(without_slope(first.grey, region),
+                                                    without_slope(second.grey, region),
+                                                    region)
+                                   : 0.0};
+}
+
+bool fits_shape(const Turn& turn, const ImageF& picture) {
+  return !turn.swaps || picture.width() == picture.height();
+}
+
+/// By all of both pictures: outlines that are not symmetric decide.
+std::optional<BetterTurn> better_as_a_whole(const ImageF& first, const ImageF& second) {
   const double as_is = correlation_of(first, second);
   std::optional<BetterTurn> best;
   for (const Turn& turn : kTurns) {
-    if (turn.swaps && second.width() != second.height()) {
+    if (!fits_shape(turn, second)) {
       continue;
     }
     const double correlation = correlation_of(first, turned(second, turn));
@@ -63,6 +135,44 @@ std::optional<BetterTurn> find_better_turn(const ImageF& simulated, const ImageF
     }
   }
   return best;
+}
+
+/// By what is on the part, where turns leave its outline as it is.
+std::optional<BetterTurn> better_inside(const ImageF& first, const ImageF& second) {
+  Silhouette simulated = find_silhouette(first, PartPieces::kAll);
+  Silhouette real = find_silhouette(second, PartPieces::kAll);
+  if (!simulated.mask || !real.mask) {
+    return std::nullopt;
+  }
+  const SmallPart part = {.grey = first, .mask = *std::move(simulated.mask)};
+  const SmallPart other = {.grey = second, .mask = *std::move(real.mask)};
+  const InsideMatch as_is = inside_match(part, other);
+  std::optional<BetterTurn> best;
+  for (const Turn& turn : kTurns) {
+    if (!fits_shape(turn, second)) {
+      continue;
+    }
+    const InsideMatch match =
+        inside_match(part, {.grey = turned(other.grey, turn), .mask = turned(other.mask, turn)});
+    const double to_beat =
+        best ? best->correlation : std::max(as_is.correlation + kInsideBetter, kFits);
+    if (match.overlap >= as_is.overlap - kSameOutline && match.correlation > to_beat) {
+      best = {.name = turn.name,
+              .correlation = match.correlation,
+              .correlation_as_is = as_is.correlation,
+              .is_inside = true};
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::optional<BetterTurn> find_better_turn(const ImageF& simulated, const ImageF& real) {
+  const ImageF first = small_of(simulated);
+  const ImageF second = small_of(real);
+  const auto whole = better_as_a_whole(first, second);
+  return whole ? whole : better_inside(first, second);
 }
 
 }  // namespace glint

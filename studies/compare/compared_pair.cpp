@@ -226,6 +226,17 @@ std::vector<RegionAppearance> regions_of(const ComparedPair& pair) {
   return regions;
 }
 
+std::string sentence_of(const BetterTurn& turn) {
+  return fmt::format(
+      "The real picture seems to be {}: so {} correlates by {:.2f} with the simulated one, as it "
+      "is "
+      "by {:.2f}.",
+      turn.name,
+      turn.is_inside ? "what is on the part" : "it",
+      turn.correlation,
+      turn.correlation_as_is);
+}
+
 }  // namespace
 
 SurfaceTexture texture_in(const ImageF& picture, const Mask& region, int window_px) {
@@ -241,12 +252,7 @@ ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
   note_formats(result.simulated, result.real, result.notes);
   result.better_turn = find_better_turn(result.simulated.grey, result.real.grey);
   if (result.better_turn) {
-    result.notes.push_back(fmt::format(
-        "The real picture seems to be {}: so it correlates by {:.2f} with the simulated one, as it "
-        "is by {:.2f}.",
-        result.better_turn->name,
-        result.better_turn->correlation,
-        result.better_turn->correlation_as_is));
+    result.notes.push_back(sentence_of(*result.better_turn));
   }
   result.geometry = geometry_of(result.simulated,
                                 result.real,

@@ -63,6 +63,7 @@ struct BetterTurn {
   std::string name;  ///< "mirrored from left to right", "turned by 180 degrees"
   double correlation = 0.0;
   double correlation_as_is = 0.0;
+  bool is_inside = false;  ///< both are within the part, without the slope of its light
 };
 
 struct ComparedPair {

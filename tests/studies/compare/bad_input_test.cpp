@@ -74,6 +74,48 @@ TEST_F(BadInput, AMirroredOrTurnedPictureIsTold) {
   EXPECT_THAT(pair.notes, Contains(HasSubstr("turned by 180 degrees")));
 }
 
+/// A disc with marks to its right, whose outline no mirror changes; light falls off by `slope`.
+ImageF marked_disc(double slope, std::uint64_t index, double mark = 0.25) {
+  ImageF picture = drawn(200, 160, [=](double x, double y) {
+    const double u = x - 100.0;
+    const double v = y - 80.0;
+    const double share = 0.5 * std::erfc((std::hypot(u, v) - 60.0) / (std::sqrt(2.0) * 0.6));
+    const bool is_marked =
+        std::hypot(u - 30.0, v + 12.0) < 11.0 || std::hypot(u - 4.0, v - 38.0) < 8.0;
+    return 0.01 + share * (0.5 + slope * u - (is_marked ? mark : 0.0));
+  });
+  add_normal_noise(picture, 0.004, index);
+  return picture;
+}
+
+ImageF mirrored_in_x(const ImageF& picture) {
+  return rearranged(picture, picture.width(), picture.height(), [](const ImageF& p, int x, int y) {
+    return p(p.width() - 1 - x, y);
+  });
+}
+
+TEST_F(BadInput, AMirroredOrTurnedPartWithASymmetricOutlineIsToldByItsInside) {
+  const auto simulated = write("disc.png", marked_disc(0.0, 1));
+  const auto real = write("mirrored.png", mirrored_in_x(marked_disc(0.001, 2)));
+  const ComparedPair pair = compare(simulated, real);
+  ASSERT_TRUE(pair.better_turn.has_value());
+  EXPECT_EQ(pair.better_turn->name, "mirrored from left to right");
+  EXPECT_THAT(pair.notes, Contains(HasSubstr("what is on the part correlates")));
+  const auto turned = write(
+      "turned.png", rearranged(marked_disc(0.0, 3), 200, 160, [](const ImageF& p, int x, int y) {
+        return p(199 - x, 159 - y);
+      }));
+  EXPECT_EQ(compare(simulated, turned).better_turn->name, "turned by 180 degrees");
+}
+
+// Light from the other side mirrors nothing, nor does a part that looks alike both ways.
+TEST_F(BadInput, OtherLightOnASymmetricPartIsNoMirrorImage) {
+  const auto simulated = write("disc.png", marked_disc(0.002, 1));
+  EXPECT_FALSE(compare(simulated, write("same.png", marked_disc(-0.002, 2))).better_turn);
+  const auto plain = write("plain.png", marked_disc(0.002, 3, 0.0));
+  EXPECT_FALSE(compare(plain, write("other.png", marked_disc(-0.002, 4, 0.0))).better_turn);
+}
+
 TEST_F(BadInput, BlackWhiteAndEmptyPicturesAreRefused) {
   EXPECT_THAT([&] { compare(good(), write("black.png", ImageF(200, 160))); },
               ThrowsMessage<ConfigError>(HasSubstr("black.png: is black all over")));

@@ -7,13 +7,12 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 
-#include "core/config/toml.h"
 #include "core/error.h"
 #include "metrics/overlap/boundary_distance.h"
 #include "metrics/overlap/outline_motion.h"
 #include "studies/compare/camera/scene_camera.h"
+#include "studies/compare/refined_scene.h"
 #include "studies/compare/roughness_cause.h"
 #include "studies/compare/surface/placed_edges.h"
 #include "studies/compare/surface/simulated_surface.h"
@@ -310,8 +309,8 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
   }
   PairCauses but_gain = causes;
   but_gain.gain = 1.0;
-  const auto fit =
-      compare_detail::fit_roughness(pair, refined_scene(load_scene(source.scene), but_gain), store);
+  const auto fit = compare_detail::fit_roughness(
+      pair, refined_scene(read_exposed_scene(source), but_gain), store);
   if (!fit || std::abs(fit->change) < kSurelySigmas * fit->sigma ||
       fit->share < kLeastShare * (1.0 - fit->gain_share)) {
     return;
@@ -332,45 +331,6 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
                            .share = fit->gain_share,
                            .of = "grey"});
   }
-}
-
-SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes) {
-  SceneSettings refined = scene;
-  if (refined.expose_to > 0.0) {  // a gain would be exposed away
-    refined.expose_to = std::min(refined.expose_to * causes.gain, 1.0);
-  } else {
-    refined.sensor.gain *= causes.gain;
-  }
-  refined.material.roughness += causes.roughness_change;
-  if (causes.calibrated) {
-    put_intrinsics(*causes.calibrated, refined);
-  }
-  if (!causes.edges || causes.edges->causes.empty()) {
-    return refined;
-  }
-  const CauseVector& change = causes.edges->changes;
-  const Vector3d turn(change[0], change[1], change[2]);
-  const Eigen::Matrix3d rotation =
-      turn.norm() > 0.0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
-                        : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
-  const Vector3d shift(change[3], change[4], change[5]);
-  const RigidTransform moved = {
-      .rotation = rotation,
-      .translation_mm = causes.middle_mm + shift - rotation * causes.middle_mm};
-  refined.viewpoint() = viewpoint_of_pose(moved * camera_from_world(scene.viewpoint()));
-  const PinholeIntrinsics camera = intrinsics_of(refined);
-  const double focal = 1.0 + change[6] / camera.focal_px.x();
-  refined.camera.focal_x_px = focal * camera.focal_px.x();
-  refined.camera.focal_y_px = focal * camera.focal_px.y();
-  refined.camera.center_x_px = camera.center_px.x() + change[7];
-  refined.camera.center_y_px = camera.center_px.y() + change[8];
-  refined.camera.k1 = camera.radial[0] + change[9];
-  refined.camera.p1 = camera.tangential[0] + change[10];
-  return refined;
-}
-
-std::string refined_toml(const CompareSource& source, const PairCauses& causes) {
-  return to_toml(write_scene(refined_scene(load_scene(source.scene), causes)));
 }
 
 }  // namespace glint

@@ -59,11 +59,4 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known = {});
 /// @throws ConfigError, IoError
 void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& causes);
 
-/// The scene with the causes put in: camera, viewpoint (which moves against the part as the part
-/// does against it), gain and roughness.
-SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes);
-
-/// The same as a TOML file. @param source  a rendered view @throws ConfigError, IoError
-std::string refined_toml(const CompareSource& source, const PairCauses& causes);
-
 }  // namespace glint

@@ -21,6 +21,7 @@
 #include "studies/compare/compared_pair.h"
 #include "studies/compare/geometry_passes.h"
 #include "studies/compare/inspected_pair.h"
+#include "studies/compare/refined_scene.h"
 #include "studies/compare/surface_edges.h"
 #include "studies/compare/yardstick.h"
 #include "studies/output/output_folder.h"
@@ -169,7 +170,8 @@ class CompareRun {
     write_file(folder / "overlay.png", png_bytes(overlay_of(pair)));
     const bool is_changed = !explained.causes.told.empty() || explained.causes.calibrated;
     if (options_.is_refining && is_changed && pair.simulated.source.is_rendered()) {
-      write_file(folder / "refined.toml", refined_toml(pair.simulated.source, explained.causes));
+      write_file(folder / "refined.toml",
+                 refined_toml(pair.simulated.source, explained.causes, store_));
     }
     pages_.push_back(page_pair(pair));
     Json row = pair_json(pair, explained.causes);
@@ -235,6 +237,11 @@ class CompareRun {
     result["yardstick"] = yardstick_json(stick);
     result["verdict"] = compare_verdict(result["pairs"], stick);
     result["notes"] = plan_.notes;
+    if (options_.is_refining && plan_.pairs.size() > 1) {
+      result["notes"].push_back(
+          "Each pair is refined by itself: its refined.toml has the pose, lens and exposure of its "
+          "view alone.");
+    }
     if (has_yardstick() && !stick) {
       result["notes"].push_back("No yardstick of photographs: the part has no window of 16 px in " +
                                 without_windows() + ".");

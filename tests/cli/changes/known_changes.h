@@ -17,6 +17,7 @@
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "studies/compare/causes.h"
+#include "studies/compare/refined_scene.h"
 #include "tests/cli/program.h"
 
 namespace glint::test {

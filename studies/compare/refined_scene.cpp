@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/compare/refined_scene.h"
+
+#include <algorithm>
+
+#include <Eigen/Geometry>
+
+#include "core/config/toml.h"
+#include "simulator/sensor/sensor.h"
+#include "studies/compare/camera/scene_camera.h"
+#include "studies/imaging/scene_picture.h"
+
+namespace glint {
+namespace {
+
+using Eigen::Vector3d;
+
+/// sensor.expose_to for so many times the light: the dark signal stays as it is.
+double exposed_by(const SceneSettings& scene, double gain) {
+  const double dark = dark_grey(scene.sensor);
+  return dark + gain * (scene.expose_to - dark);
+}
+
+}  // namespace
+
+SceneSettings read_exposed_scene(const CompareSource& source) {
+  SceneSettings scene = read_view_scene(source.scene);
+  if (source.picture.stem() == "image") {
+    scene.expose_to = 0.0;
+  }
+  return scene;
+}
+
+SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes) {
+  SceneSettings refined = scene;
+  if (refined.expose_to > 0.0) {  // a gain would be exposed away
+    refined.expose_to = std::min(exposed_by(refined, causes.gain), 1.0);
+  } else {
+    refined.sensor.gain *= causes.gain;
+  }
+  refined.material.roughness += causes.roughness_change;
+  if (causes.calibrated) {
+    put_intrinsics(*causes.calibrated, refined);
+  }
+  if (!causes.edges || causes.edges->causes.empty()) {
+    return refined;
+  }
+  const CauseVector& change = causes.edges->changes;
+  const Vector3d turn(change[0], change[1], change[2]);
+  const Eigen::Matrix3d rotation =
+      turn.norm() > 0.0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
+                        : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  const Vector3d shift(change[3], change[4], change[5]);
+  const RigidTransform moved = {
+      .rotation = rotation,
+      .translation_mm = causes.middle_mm + shift - rotation * causes.middle_mm};
+  refined.viewpoint() = viewpoint_of_pose(moved * camera_from_world(scene.viewpoint()));
+  const PinholeIntrinsics camera = intrinsics_of(refined);
+  const double focal = 1.0 + change[6] / camera.focal_px.x();
+  refined.camera.focal_x_px = focal * camera.focal_px.x();
+  refined.camera.focal_y_px = focal * camera.focal_px.y();
+  refined.camera.center_x_px = camera.center_px.x() + change[7];
+  refined.camera.center_y_px = camera.center_px.y() + change[8];
+  refined.camera.k1 = camera.radial[0] + change[9];
+  refined.camera.p1 = camera.tangential[0] + change[10];
+  return refined;
+}
+
+std::string refined_toml(const CompareSource& source, const PairCauses& causes, SceneStore& store) {
+  SceneSettings scene = read_exposed_scene(source);
+  if (scene.expose_to > 0.0 && exposed_by(scene, causes.gain) > 1.0) {
+    scene = with_equal_exposure(store, scene);
+  }
+  return to_toml(write_scene(refined_scene(scene, causes)));
+}
+
+}  // namespace glint

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The scene of a simulated picture with what explains the real one put in.
+#pragma once
+
+#include <string>
+
+#include "studies/compare/causes.h"
+#include "studies/compare/compare_sources.h"
+#include "studies/definition/scene.h"
+#include "studies/imaging/scene_store.h"
+
+namespace glint {
+
+/// What a picture was rendered from, exposed as that picture is: sensor.expose_to holds for
+/// designs, views of `glint render` (image.tif, image.png) are exposed as sensor.exposure says.
+/// @throws ConfigError, IoError
+SceneSettings read_exposed_scene(const CompareSource& source);
+
+/// The scene with the causes put in: camera, viewpoint (which moves against the part as the part
+/// does against it), gain and roughness.
+SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes);
+
+/// The same as a TOML file. Where the gain takes sensor.expose_to beyond full scale the exposure
+/// that it stands for is found by rendering, and written in its place.
+/// @param source  a rendered view @throws ConfigError, IoError
+std::string refined_toml(const CompareSource& source, const PairCauses& causes, SceneStore& store);
+
+}  // namespace glint

@@ -204,7 +204,8 @@ Scores scores_beside(SceneStore& store, const SceneSettings& scene, const Wanted
     scores.merge(coverage_scores(store, scene));
   }
   if (wanted.reference) {
-    scores.merge(reference_scores(store, scene));
+    scores.merge(reference_scores(
+        store, scene, wanted.inner_edges ? InnerEdgeScore::kMeasured : InnerEdgeScore::kLeftOut));
   }
   if (wanted.reach) {
     scores.merge(reach_scores(store, scene));
@@ -213,6 +214,12 @@ Scores scores_beside(SceneStore& store, const SceneSettings& scene, const Wanted
     add_scores(scores, lighting_totals(scene));
   }
   return scores;
+}
+
+/// Whether the picture of the first viewpoint gives it.
+bool is_of_picture(const std::string& name) {
+  return !(is_of_coverage(name) || is_of_reference(name) || is_of_reach(name) ||
+           is_of_lighting(name));
 }
 
 }  // namespace
@@ -224,15 +231,15 @@ WantedScores WantedScores::of_one_scan() const {
 }
 
 WantedScores wanted_by(const Goal& goal) {
-  WantedScores wanted = {.fringes = false, .defects = false, .robust = false, .slot = false};
-  wanted.picture = false;
+  WantedScores wanted = {
+      .fringes = false, .defects = false, .robust = false, .slot = false, .picture = false};
   const auto look_at = [&](const std::string& name) {
     wanted.coverage = wanted.coverage || is_of_coverage(name);
     wanted.reference = wanted.reference || is_of_reference(name);
+    wanted.inner_edges = wanted.inner_edges || name == "overlap.edge_distance_px";
     wanted.reach = wanted.reach || is_of_reach(name);
     wanted.lighting = wanted.lighting || is_of_lighting(name);
-    wanted.picture = wanted.picture || !(is_of_coverage(name) || is_of_reference(name) ||
-                                         is_of_reach(name) || is_of_lighting(name));
+    wanted.picture = wanted.picture || is_of_picture(name);
     wanted.family = wanted.family || is_of_family(name);
     wanted.fringes = wanted.fringes || needs_fringes(name);
     wanted.robust = wanted.robust || without_bound(name) == "homogeneity.robust";

@@ -39,6 +39,7 @@ struct WantedScores {
   WantedGradients gradients = {};  ///< need closed forms
   bool coverage = false;           ///< what the views of the scene inspect: a ray for each place
   bool reference = false;          ///< against real pictures: a picture for each of them
+  bool inner_edges = false;        ///< against these the edges inside the part, too
   bool reach = false;              ///< which views an arm can take: a plan
   bool lighting = false;           ///< size, scan time and cost: no picture; with [cost] always
   bool picture = true;             ///< any other score
@@ -55,6 +56,7 @@ struct WantedScores {
     return {.family = true,
             .coverage = coverage,
             .reference = reference,
+            .inner_edges = reference,
             .reach = reach,
             .lighting = lighting,
             .trials = trials,

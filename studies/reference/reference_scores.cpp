@@ -222,7 +222,8 @@ double outline_distance_px(const std::vector<Boundary>& first,
   return distance.points > 0 ? distance.mean_px : diagonal_px;
 }
 
-/// Scores of one pair. @param ignored  where nothing is compared
+/// Scores of one pair, but for that of the edges inside the part.
+/// @param ignored  where nothing is compared
 Scores compare(const PicturedPart& simulated, const PicturedPart& real, const Mask& ignored) {
   const std::vector<Boundary> of_simulated = outline_in(simulated);
   const std::vector<Boundary> of_real = outline_in(real);
@@ -234,7 +235,6 @@ Scores compare(const PicturedPart& simulated, const PicturedPart& real, const Ma
        overlap_of(filled_outside(near_ignored, of_simulated), filled_outside(near_ignored, of_real))
            .iou},
       {"overlap.mean_distance_px", outline_distance_px(of_simulated, of_real, near_ignored)},
-      {"overlap.edge_distance_px", inner_distance_px(simulated, real)},
       {"appearance.ssim", ssim(simulated.grey, real.grey, without(region, near_ignored))},
       {"appearance.rms", rms_of(simulated.grey, real.grey, region)},
       {"appearance.histogram_distance",
@@ -243,7 +243,8 @@ Scores compare(const PicturedPart& simulated, const PicturedPart& real, const Ma
 
 class References {
  public:
-  References(SceneStore& store, const SceneSettings& scene) : store_(store), scene_(scene) {}
+  References(SceneStore& store, const SceneSettings& scene, InnerEdgeScore inner)
+      : store_(store), scene_(scene), inner_(inner) {}
 
   Scores scores() const {
     const auto count = scene_.reference ? scene_.reference->pictures.size() : std::size_t{0};
@@ -280,11 +281,21 @@ class References {
     if (!reference.masks.empty()) {
       GivenMask given = mask_of(i);
       real.mask = std::move(given.part);
-      return compare(simulated, real, given.ignored);
+      return compared(simulated, real, given.ignored);
     }
     real.mask = segmented(real.grey, key, reference.pictures[i].string());
     simulated.mask = segmented(simulated.grey, key, "the simulated picture");
-    return compare(simulated, real, Mask(real.grey.width(), real.grey.height()));
+    return compared(simulated, real, Mask(real.grey.width(), real.grey.height()));
+  }
+
+  Scores compared(const PicturedPart& simulated,
+                  const PicturedPart& real,
+                  const Mask& ignored) const {
+    Scores scores = compare(simulated, real, ignored);
+    if (inner_ == InnerEdgeScore::kMeasured) {
+      scores["overlap.edge_distance_px"] = inner_distance_px(simulated, real);
+    }
+    return scores;
   }
 
   GivenMask mask_of(std::size_t i) const {
@@ -317,12 +328,13 @@ class References {
 
   SceneStore& store_;
   const SceneSettings& scene_;
+  InnerEdgeScore inner_;
 };
 
 }  // namespace
 
-Scores reference_scores(SceneStore& store, const SceneSettings& scene) {
-  return References(store, scene).scores();
+Scores reference_scores(SceneStore& store, const SceneSettings& scene, InnerEdgeScore inner) {
+  return References(store, scene, inner).scores();
 }
 
 }  // namespace glint

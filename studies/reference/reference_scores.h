@@ -10,6 +10,10 @@
 
 namespace glint {
 
+/// Whether "overlap.edge_distance_px" is measured: edges are fitted along every line inside the
+/// part, which few studies ask for.
+enum class InnerEdgeScore { kLeftOut, kMeasured };
+
 /// "overlap." and "appearance." of metrics/scores.h: means over the pictures of [reference], of
 /// which the first belongs to the first viewpoint, and so on. The simulated side is the mean of the
 /// frames, after the sensor. The part is where the masks of [reference] and the simulation say;
@@ -20,6 +24,8 @@ namespace glint {
 /// of a reduced mask is the part's where most of it is, and grey where any of it is.
 /// @throws ConfigError beginning with the key at fault: no pictures, more pictures than viewpoints,
 ///         another size than the camera's, no part in a picture; IoError
-Scores reference_scores(SceneStore& store, const SceneSettings& scene);
+Scores reference_scores(SceneStore& store,
+                        const SceneSettings& scene,
+                        InnerEdgeScore inner = InnerEdgeScore::kMeasured);
 
 }  // namespace glint

@@ -268,6 +268,25 @@ TEST_F(ReferenceScores, AreScoresOfAStudy) {
   EXPECT_EQ(scores.count("homogeneity.h_rms"), 0U);
 }
 
+// Edges inside the part are fitted for those who ask, and for the designs that are written.
+TEST_F(ReferenceScores, HaveInnerEdgesWhereTheyAreAskedFor) {
+  const std::string edges = "overlap.edge_distance_px";
+  const std::string variables = "[variables]\n\"sensor.exposure\" = { min = 0.5, max = 2 }\n";
+  const Study plain = study(variables + "[objective]\nminimise = \"appearance.rms\"\n");
+  photograph(plain.scene);
+  const auto has_edges = [&](const WantedScores& wanted) {
+    return evaluate(store_, plain.scene, {}, wanted).scores.count(edges) > 0;
+  };
+  EXPECT_FALSE(has_edges(wanted_by(plain.goal)));
+  WantedScores of_design = wanted_by(plain.goal).with_whole_scan();
+  of_design.picture = false;
+  EXPECT_TRUE(has_edges(of_design));
+  EXPECT_TRUE(has_edges(
+      wanted_by(study(variables + "[objective]\nminimise = \"appearance.rms\"\n[constraints]\n\"" +
+                      edges + "\" = { max = 0.5 }\n")
+                    .goal)));
+}
+
 TEST_F(ReferenceScores, NeedRealPictures) {
   std::string text = kPhotographed;
   text.resize(text.find("[reference]"));

@@ -49,7 +49,11 @@ TEST_F(CompareVerb, PrintsWhatItFoundAndWritesAPage) {
   // The gain is a cause that pictures alone can tell.
   ASSERT_EQ(pair["causes"].size(), 1U);
   EXPECT_EQ(pair["causes"][0]["name"], "gain");
-  EXPECT_THAT(read_file(folder_ / "out/report.html"), HasSubstr("Photograph minus simulated"));
+  EXPECT_THAT(read_file(folder_ / "out/report.html"),
+              AllOf(HasSubstr("Photograph minus simulated"),
+                    HasSubstr("mean distance px"),
+                    HasSubstr("rms in shares of full scale"),
+                    HasSubstr("only light")));
   for (const char* name : {"result.json",
                            "run.json",
                            "pair_01/overlay.png",

@@ -25,7 +25,7 @@ export function pairsSection(facts) {
   const data = facts.data.comparison;
   if (!data) return null;
   return section('pairs', 'Pairs', 'Simulated and real picture; distances in pixels, grey in shares of full scale after exposures were matched.',
-    table(['pair', 'IoU', 'mean distance', '95 %', 'offset', 'slope, px per 1000 px', 'SSIM', 'GMSD', 'correlation', 'histogram', 'gain'], data.pairs.map(pairRow)));
+    table(['pair', 'IoU', 'mean distance px', '95 % px', 'offset px', 'slope, px per 1000 px', 'SSIM', 'GMSD', 'correlation', 'histogram', 'gain'], data.pairs.map(pairRow)));
 }
 
 const kMeasures = { histogram_distance: 'grey values (Wasserstein, over their mean)', radial_spectrum: 'spectrum (rms of log10)', cooccurrence_contrast: 'contrast of neighbours (|ln|)', autocorrelation_length: 'autocorrelation length (|ln|)' };
@@ -92,7 +92,7 @@ function spectrumChart(pair) {
 
 function causesTable(pair) {
   if (!pair.causes.length) return null;
-  const row = (cause) => h('tr', {}, h('td', {}, cause.name), h('td', { class: 'number' }, `${number(cause.value, 3)} ${cause.unit}`), h('td', { class: 'number' }, isNumber(cause.sigma) ? `\u00b1 ${number(cause.sigma, 2)}` : '\u2013'),
+  const row = (cause) => h('tr', {}, h('td', {}, cause.name), h('td', { class: 'number' }, `${number(cause.value, 3)} ${cause.unit}`), h('td', { class: 'number' }, isNumber(cause.sigma) ? `\u00b1 ${number(cause.sigma, 2)} ${cause.unit}` : '\u2013'),
     h('td', { class: 'number' }, `${(100 * cause.share).toFixed(0)} %`), h('td', {}, cause.group ? `not separable from ${cause.group.filter((name) => name !== cause.name).join(', ')}` : ''));
   return h('div', {}, h('h4', {}, 'Causes'), table(['cause', 'value', 'sigma', 'explains', ''], pair.causes.map(row)));
 }
@@ -125,7 +125,7 @@ function regionsTable(pair) {
   const regions = pair.regions ?? [];
   if (regions.length < 2) return null;
   const row = (region) => h('tr', {}, h('td', {}, region.name), cell(region.grey, 3), cell(region.difference, 3), cell(region.residual_rms, 3), cell(region.correlation, 3), cell(region.ssim, 3));
-  return h('div', {}, h('h4', {}, 'Region by region'), table(['ninth of the part', 'grey of the photograph', 'minus simulated', 'rms', 'correlation', 'SSIM'], regions.map(row)));
+  return h('div', {}, h('h4', {}, 'Region by region'), h('p', { class: 'lead' }, 'Grey, differences and rms in shares of full scale.'), table(['ninth of the part', 'grey of the photograph', 'minus simulated', 'rms', 'correlation', 'SSIM'], regions.map(row)));
 }
 
 function inspectionTable(pair) {

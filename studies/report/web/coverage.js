@@ -34,6 +34,8 @@ function viewTable(views) {
 function shareTable(data) {
   const rows = [...data.ck.map((share, i) => [i === 0 ? 'inspected by a view (C1)' : `by ${i + 1} or more views from directions apart (C${i + 1})`, percent(share, 2)]),
     ['views that inspect a place, on average', number(data.redundancy, 3)],
+    ['the whole surface', `${number(data.area_mm2, 4)} mm\u00b2`],
+    ['its largest piece that no view inspects', `${number(data.largest_gap_mm2, 4)} mm\u00b2`],
     ...Object.entries(data.states).filter(([name, share]) => name !== 'inspected' && share > 0).map(([name, share]) => [`not inspected: ${name}`, percent(share, 2)])];
   return h('div', { class: 'scroll' }, h('table', { class: 'evaluations' }, h('tbody', {}, rows.map(([name, text]) => h('tr', {}, h('td', {}, name), h('td', { class: 'number' }, text))))));
 }

@@ -128,7 +128,9 @@ TEST_F(CoverStudy, WritesItsFiles) {
               AllOf(HasSubstr("property uchar red"),
                     HasSubstr("property int views\nproperty float smallest_defect_um\n"
                               "property float incidence_deg\nproperty float lit_share\n")));
-  const Json page = test::page_data(read_file(out / "report.html"));
+  const std::string html = read_file(out / "report.html");
+  EXPECT_THAT(html, AllOf(HasSubstr("the whole surface"), HasSubstr("only light")));
+  const Json page = test::page_data(html);
   EXPECT_EQ(page["coverage"]["views"].size(), 2U);
   EXPECT_EQ(page["coverage"]["pictures"].size(), 5U);
   EXPECT_THAT(page["verdict"]["sentence"].get<std::string>(),

@@ -186,6 +186,7 @@ std::string coverage_ply(const SceneCoverage& covered, std::span<const float> sm
   std::vector<std::int32_t> views;
   std::vector<float> incidence_deg;
   std::vector<float> lit_shares;
+  std::vector<float> pixel_um;
   std::vector<VertexColour> colours;
   for (std::size_t i = 0; i < cells.num_triangles(); ++i) {
     const auto first = static_cast<std::int32_t>(mesh.vertices_mm.size());
@@ -198,11 +199,13 @@ std::string coverage_ply(const SceneCoverage& covered, std::span<const float> sm
     views.push_back(cell.views);
     incidence_deg.push_back(cell.incidence_rad * static_cast<float>(kDegPerRad));
     lit_shares.push_back(cell.lit_share);
+    pixel_um.push_back(1e3F * cell.pixel_mm);
   }
-  const std::array<FaceNumbers, 3> numbers = {
+  const std::array<FaceNumbers, 4> numbers = {
       {{.name = "smallest_defect_um", .values = smallest_um},
        {.name = "incidence_deg", .values = incidence_deg},
-       {.name = "lit_share", .values = lit_shares}}};
+       {.name = "lit_share", .values = lit_shares},
+       {.name = "pixel_um", .values = pixel_um}}};
   return ply_bytes(mesh, {.name = "views", .values = views}, colours, numbers);
 }
 

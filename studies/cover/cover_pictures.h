@@ -43,7 +43,7 @@ struct CoveragePicture {
 std::vector<CoveragePicture> draw_coverage(const SceneCoverage& covered, ThreadPool& pool);
 
 /// A PLY whose vertices have colours and whose faces have the number of views that inspect them,
-/// `smallest_defect_um`, `incidence_deg` and `lit_share`.
+/// `smallest_defect_um`, `incidence_deg`, `lit_share` and `pixel_um`.
 /// @param smallest_um  one of smallest_defects_um() for each cell
 std::string coverage_ply(const SceneCoverage& covered, std::span<const float> smallest_um);
 

@@ -3,7 +3,7 @@
 // `glint cover`: which surface the views of a scene inspect, and what each view adds.
 //
 //   OUT/coverage.ply   the part's surface in cells: colours, and for each face how many views,
-//                      the smallest defect, incidence and lit share
+//                      the smallest defect, incidence, lit share and what a pixel covers
 //   OUT/views.csv      share that each view sees, adds and has alone; its pose
 //   OUT/result.json  report.html  run.json  study.resolved.toml
 #pragma once

@@ -127,7 +127,8 @@ TEST_F(CoverStudy, WritesItsFiles) {
   EXPECT_THAT(read_file(out / "coverage.ply"),
               AllOf(HasSubstr("property uchar red"),
                     HasSubstr("property int views\nproperty float smallest_defect_um\n"
-                              "property float incidence_deg\nproperty float lit_share\n")));
+                              "property float incidence_deg\nproperty float lit_share\n"
+                              "property float pixel_um\n")));
   const std::string html = read_file(out / "report.html");
   EXPECT_THAT(html, AllOf(HasSubstr("the whole surface"), HasSubstr("only light")));
   const Json page = test::page_data(html);
@@ -144,9 +145,10 @@ struct CoveredFace {
   float smallest_um = 0.0F;
   float incidence_deg = 0.0F;
   float lit_share = 0.0F;
+  float pixel_um = 0.0F;
 };
 
-/// Faces of 1 + 3 x 4 bytes of corners and 4 x 4 bytes of properties.
+/// Faces of 1 + 3 x 4 bytes of corners and 5 x 4 bytes of properties.
 std::vector<CoveredFace> covered_faces(const std::string& ply, std::size_t count) {
   constexpr std::size_t kCorners = 13;
   constexpr std::size_t kFace = kCorners + sizeof(CoveredFace);
@@ -168,6 +170,7 @@ TEST_F(CoverStudy, WritesTheSmallestDefectOfEachFace) {
   for (const CoveredFace& face : faces) {
     ASSERT_TRUE(face.views == 0 || face.views == 1);
     EXPECT_NEAR(face.smallest_um, face.views == 0 ? 0.0 : 1200.0, 15.0);
+    EXPECT_NEAR(face.pixel_um, face.views == 0 ? 0.0 : 400.0, 5.0);
     EXPECT_LE(face.incidence_deg, 7.0);
     EXPECT_EQ(face.lit_share, face.views == 0 ? 0.0F : 1.0F);
     inspected += face.views > 0 ? 1U : 0U;

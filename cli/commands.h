@@ -91,6 +91,7 @@ struct CompareArguments {
   std::filesystem::path out;
   std::filesystem::path pairs;  ///< CSV; empty: by name or order
   std::filesystem::path mask;   ///< of the real part; empty: it is found
+  std::filesystem::path scene;  ///< of simulated pictures that come without one
   std::string outline = "auto";
   bool has_offset = false;
   bool is_lens_known = false;

@@ -121,6 +121,7 @@ int compare_command(const CompareArguments& arguments, const CommonArguments& co
                   .pairs = arguments.pairs},
        .out = arguments.out,
        .mask = arguments.mask,
+       .scene = arguments.scene,
        .outline = arguments.outline,
        .has_offset = arguments.has_offset,
        .is_lens_known = arguments.is_lens_known,

@@ -84,6 +84,12 @@ void add_compare_verb(CLI::App& app, CommandLine& line) {
       ->type_name("FILE")
       ->check(not_empty());
   compare
+      ->add_option("--scene",
+                   arguments.scene,
+                   "scene of a simulated picture that comes without one: names edges, tells causes")
+      ->type_name("FILE.toml")
+      ->check(not_empty());
+  compare
       ->add_option("--outline",
                    arguments.outline,
                    "how the real part is found: by brightness, by a cut, or edges inside it")

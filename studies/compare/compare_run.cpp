@@ -64,6 +64,7 @@ class CompareRun {
 
   Json execute() {
     plan_ = plan_comparison(options_.inputs);
+    add_scene();
     passes_.emplace(store_, plan_.pairs);
     check_folder();
     pair_options_ = {
@@ -89,13 +90,36 @@ class CompareRun {
   }
 
  private:
+  /// Pictures that were given without what they were rendered from take --scene.
+  void add_scene() {
+    if (options_.scene.empty()) {
+      return;
+    }
+    const SceneSettings scene = read_view_scene(options_.scene);
+    if (scene.viewpoints.size() != 1 || scene.viewpoint_set.source != ViewpointSource::kListed) {
+      throw ConfigError(fmt::format("--scene {}: must have one [[viewpoint]], that of the picture",
+                                    options_.scene.string()));
+    }
+    bool is_used = false;
+    for (ComparePair& pair : plan_.pairs) {
+      if (!pair.simulated.is_rendered()) {
+        pair.simulated.scene = options_.scene;
+        is_used = true;
+      }
+    }
+    if (!is_used) {
+      throw ConfigError("--scene: all simulated pictures come with a scene of their own");
+    }
+  }
+
   void check_folder() const {
     std::vector<std::string> names = {"result.json", "report.html", "run.json"};
     for (std::size_t i = 0; i < plan_.pairs.size(); ++i) {
       names.push_back(folder_of(i));
     }
     check_result_folder(out_, ResultKind::kCompare, names);
-    std::vector<fs::path> inputs = {options_.mask, options_.inputs.pairs, options_.calibration};
+    std::vector<fs::path> inputs = {
+        options_.mask, options_.inputs.pairs, options_.calibration, options_.scene};
     for (const ComparePair& pair : plan_.pairs) {
       inputs.insert(inputs.end(), {pair.simulated.picture, pair.real.picture, pair.real_mask});
     }

@@ -16,8 +16,9 @@ namespace glint {
 
 struct CompareOptions {
   CompareInputs inputs;
-  std::filesystem::path out;   ///< empty: out/<name of the simulated side>/compare
-  std::filesystem::path mask;  ///< of the real part; empty: it is found
+  std::filesystem::path out;    ///< empty: out/<name of the simulated side>/compare
+  std::filesystem::path mask;   ///< of the real part; empty: it is found
+  std::filesystem::path scene;  ///< of simulated pictures that come without one; empty: none
   std::string outline = "auto";
   bool has_offset = false;            ///< exposures differ by an offset too
   bool is_lens_known = false;         ///< calibrated: only pose and gain may differ

@@ -24,7 +24,7 @@ std::string missing_sentence(const fs::path& scene, const std::string& why) {
   return fmt::format(
       "{} has no geometry.exr, and {}: edges have no names, and no cause of pose, "
       "lens or camera is told.",
-      scene.parent_path().string(),
+      (scene.filename() == "scene.toml" ? scene.parent_path() : scene).string(),
       why);
 }
 
@@ -84,7 +84,7 @@ GeometryPasses::Made GeometryPasses::make(const ComparedPicture& picture) {
       made.file = render(scene);
     } else {
       const std::string why = fmt::format(
-          "its scene.toml is of pictures of {} x {} pixels", camera.width_px, camera.height_px);
+          "its scene is of pictures of {} x {} pixels", camera.width_px, camera.height_px);
       made.missing = missing_sentence(scene, why);
     }
   } catch (const Error& error) {

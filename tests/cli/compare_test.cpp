@@ -187,6 +187,28 @@ TEST_F(ComparedDesign, SaysWhyItHasNoGeometry) {
   EXPECT_FALSE(is_told(result["pairs"][0]["causes"], "centre_x"));
 }
 
+// The picture alone says nothing of the part: with the scene that it was rendered from it does.
+TEST_F(ComparedDesign, TakesTheSceneOfAPictureByItself) {
+  std::filesystem::copy_file(folder_ / "run/winner/aspect.png", folder_ / "alone.png");
+  write_file(folder_ / "my.toml", read_file(folder_ / "run/winner/scene.toml"));
+  const std::string real = "photo/baseline/image.tif";
+  const Json alone = json_of(folder_, {"compare", "alone.png", real, "--out", "out"});
+  for (const Json& edge : alone["pairs"][0]["edges"]) {
+    EXPECT_FALSE(edge.contains("surface")) << edge;
+  }
+  const Json with_scene =
+      json_of(folder_, {"compare", "alone.png", real, "--scene", "my.toml", "--out", "with_scene"});
+  const Json& pair = with_scene["pairs"][0];
+  ASSERT_FALSE(pair["edges"].empty()) << pair["notes"];
+  for (const Json& edge : pair["edges"]) {
+    EXPECT_TRUE(edge.contains("surface")) << edge;
+  }
+  const ProgramResult refused = glint_in(
+      folder_, {"compare", "run/winner", real, "--scene", "my.toml", "--quiet", "--out", "other"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("come with a scene of their own"));
+}
+
 // The photographed plate is sound: its dent is seen in the simulated picture alone.
 TEST_F(CompareVerb, TellsADefectThatOneSideAloneShows) {
   const std::string dented = edited(kDentedPlate, {{"height_um = 100", "height_um = 400"}});

@@ -21,6 +21,26 @@ double exposed_by(const SceneSettings& scene, double gain) {
   return dark + gain * (scene.expose_to - dark);
 }
 
+/// Moves the camera against the part as the part is moved against it, and changes its lens.
+void put_changes(const CauseVector& change, const Vector3d& middle_mm, SceneSettings& refined) {
+  const Vector3d turn(change[0], change[1], change[2]);
+  const Eigen::Matrix3d rotation =
+      turn.norm() > 0.0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
+                        : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  const Vector3d shift(change[3], change[4], change[5]);
+  const RigidTransform moved = {.rotation = rotation,
+                                .translation_mm = middle_mm + shift - rotation * middle_mm};
+  refined.viewpoint() = viewpoint_of_pose(moved * camera_from_world(refined.viewpoint()));
+  const PinholeIntrinsics camera = intrinsics_of(refined);
+  const double focal = 1.0 + change[6] / camera.focal_px.x();
+  refined.camera.focal_x_px = focal * camera.focal_px.x();
+  refined.camera.focal_y_px = focal * camera.focal_px.y();
+  refined.camera.center_x_px = camera.center_px.x() + change[7];
+  refined.camera.center_y_px = camera.center_px.y() + change[8];
+  refined.camera.k1 = camera.radial[0] + change[9];
+  refined.camera.p1 = camera.tangential[0] + change[10];
+}
+
 }  // namespace
 
 SceneSettings read_exposed_scene(const CompareSource& source) {
@@ -42,27 +62,9 @@ SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes
   if (causes.calibrated) {
     put_intrinsics(*causes.calibrated, refined);
   }
-  if (!causes.edges || causes.edges->causes.empty()) {
-    return refined;
+  if (causes.edges && !causes.edges->causes.empty()) {
+    put_changes(causes.edges->changes, causes.middle_mm, refined);
   }
-  const CauseVector& change = causes.edges->changes;
-  const Vector3d turn(change[0], change[1], change[2]);
-  const Eigen::Matrix3d rotation =
-      turn.norm() > 0.0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
-                        : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
-  const Vector3d shift(change[3], change[4], change[5]);
-  const RigidTransform moved = {
-      .rotation = rotation,
-      .translation_mm = causes.middle_mm + shift - rotation * causes.middle_mm};
-  refined.viewpoint() = viewpoint_of_pose(moved * camera_from_world(scene.viewpoint()));
-  const PinholeIntrinsics camera = intrinsics_of(refined);
-  const double focal = 1.0 + change[6] / camera.focal_px.x();
-  refined.camera.focal_x_px = focal * camera.focal_px.x();
-  refined.camera.focal_y_px = focal * camera.focal_px.y();
-  refined.camera.center_x_px = camera.center_px.x() + change[7];
-  refined.camera.center_y_px = camera.center_px.y() + change[8];
-  refined.camera.k1 = camera.radial[0] + change[9];
-  refined.camera.p1 = camera.tangential[0] + change[10];
   return refined;
 }
 

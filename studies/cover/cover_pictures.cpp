@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -140,6 +141,18 @@ Vector3d towards_gap(const SceneCoverage& covered, const Bvh& bvh) {
   return best;
 }
 
+/// A number of each cell, in another unit.
+std::vector<float> column_of(const SceneCoverage& covered,
+                             float CellCoverage::*number,
+                             double factor) {
+  std::vector<float> column;
+  std::ranges::transform(
+      covered.of_cell, std::back_inserter(column), [&](const CellCoverage& cell) {
+        return cell.*number * static_cast<float>(factor);
+      });
+  return column;
+}
+
 }  // namespace
 
 ScreenColour coverage_colour(const CellCoverage& cell) {
@@ -184,9 +197,6 @@ std::string coverage_ply(const SceneCoverage& covered, std::span<const float> sm
   const TriangleMesh& cells = covered.cells.mesh;
   TriangleMesh mesh;
   std::vector<std::int32_t> views;
-  std::vector<float> incidence_deg;
-  std::vector<float> lit_shares;
-  std::vector<float> pixel_um;
   std::vector<VertexColour> colours;
   for (std::size_t i = 0; i < cells.num_triangles(); ++i) {
     const auto first = static_cast<std::int32_t>(mesh.vertices_mm.size());
@@ -195,12 +205,12 @@ std::string coverage_ply(const SceneCoverage& covered, std::span<const float> sm
       mesh.vertices_mm.push_back(cells.vertex(i, corner));
       colours.push_back(coverage_colour(covered.of_cell[i]));
     }
-    const CellCoverage& cell = covered.of_cell[i];
-    views.push_back(cell.views);
-    incidence_deg.push_back(cell.incidence_rad * static_cast<float>(kDegPerRad));
-    lit_shares.push_back(cell.lit_share);
-    pixel_um.push_back(1e3F * cell.pixel_mm);
+    views.push_back(covered.of_cell[i].views);
   }
+  const std::vector<float> incidence_deg =
+      column_of(covered, &CellCoverage::incidence_rad, kDegPerRad);
+  const std::vector<float> lit_shares = column_of(covered, &CellCoverage::lit_share, 1.0);
+  const std::vector<float> pixel_um = column_of(covered, &CellCoverage::pixel_mm, 1e3);
   const std::array<FaceNumbers, 4> numbers = {
       {{.name = "smallest_defect_um", .values = smallest_um},
        {.name = "incidence_deg", .values = incidence_deg},

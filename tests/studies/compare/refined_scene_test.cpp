@@ -34,7 +34,7 @@ exposure = 0.7
 gain = 1.1
 expose_to = 0.9
 [render.paths]
-samples = 16
+samples = 256
 [lighting.environment]
 )";
 

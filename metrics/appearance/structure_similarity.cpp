@@ -182,18 +182,32 @@ double ssim(const ImageF& first, const ImageF& second, const Mask& region, doubl
 
 double gmsd(const ImageF& first, const ImageF& second, const Mask& region, double range) {
   check_sizes(first, second, region);
+  return deviation_in(gradient_similarity_map(first, second, range), region);
+}
+
+ImageF gradient_similarity_map(const ImageF& first, const ImageF& second, double range) {
+  check_sizes(first, second, {});
   const ImageF a = gradient_of(halved(first));
   const ImageF b = gradient_of(halved(second));
   const double t = 170.0 / (255.0 * 255.0) * range * range;
+  ImageF map(a.width(), a.height());
+  std::ranges::transform(
+      a.values(), b.values(), map.values().begin(), [&](float of_first, float of_second) {
+        const auto p = static_cast<double>(of_first);
+        const auto q = static_cast<double>(of_second);
+        return static_cast<float>((2.0 * p * q + t) / (p * p + q * q + t));
+      });
+  return map;
+}
+
+double deviation_in(const ImageF& map, const Mask& region) {
   double count = 0.0;
   double sum = 0.0;
   double squares = 0.0;
-  for (int y = 0; y < a.height(); ++y) {
-    for (int x = 0; x < a.width(); ++x) {
+  for (int y = 0; y < map.height(); ++y) {
+    for (int x = 0; x < map.width(); ++x) {
       if (is_whole_in(region, x, y)) {
-        const auto p = static_cast<double>(a(x, y));
-        const auto q = static_cast<double>(b(x, y));
-        const double alike = (2.0 * p * q + t) / (p * p + q * q + t);
+        const auto alike = static_cast<double>(map(x, y));
         count += 1.0;
         sum += alike;
         squares += alike * alike;

@@ -28,4 +28,11 @@ double mean_in(const ImageF& map, const Mask& region);
 /// @param region  a reduced pixel counts when all four of its pixels are in it; empty: all
 double gmsd(const ImageF& first, const ImageF& second, const Mask& region = {}, double range = 1.0);
 
+/// Of each of these reduced pixels how alike the gradients are, in (0, 1]: gmsd() is its deviation.
+/// @throws ConfigError for pictures of different sizes
+ImageF gradient_similarity_map(const ImageF& first, const ImageF& second, double range = 1.0);
+
+/// Standard deviation of such a map. @param region  of whole pixels, as in gmsd()
+double deviation_in(const ImageF& map, const Mask& region);
+
 }  // namespace glint

@@ -115,7 +115,9 @@ Json regions_json(const std::vector<RegionAppearance>& regions) {
                     {"difference", region.difference},
                     {"residual_rms", region.residual_rms},
                     {"correlation", region.correlation},
-                    {"ssim", region.ssim}});
+                    {"ssim", region.ssim},
+                    {"gmsd", region.gmsd},
+                    {"histogram_distance", region.histogram_distance}});
   }
   return list;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include <fmt/format.h>
@@ -115,7 +116,8 @@ PairAppearance appearance_of(ComparedPair& pair, const PairOptions& options) {
   look.correlation = correlation_of(simulated, real, pair.region);
   pair.similarity = ssim_map(pair.exposed, real);
   look.ssim = mean_in(pair.similarity, pair.region);
-  look.gmsd = gmsd(pair.exposed, real, pair.region);
+  pair.gradient_similarity = gradient_similarity_map(pair.exposed, real);
+  look.gmsd = deviation_in(pair.gradient_similarity, pair.region);
   look.histogram_distance = histogram_distance(pair.exposed, real, pair.region, pair.region);
   look.simulated = texture_in(simulated, pair.region);
   look.real = texture_in(real, pair.region);
@@ -162,6 +164,30 @@ Extent extent_of(const Mask& region, const ImageF& picture) {
   return extent;
 }
 
+/// How often each grey occurs, up to full scale.
+class GreyCounts {
+ public:
+  void add(double grey) {
+    const double bin = std::clamp(grey, 0.0, 1.0) * static_cast<double>(kBins);
+    ++counts_[std::min(static_cast<std::size_t>(bin), kBins - 1)];
+  }
+
+  /// First Wasserstein distance of as many greys, to a bin's width.
+  double distance_to(const GreyCounts& other, double pixels) const {
+    double ahead = 0.0;
+    double area = 0.0;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      ahead += static_cast<double>(counts_[i]) - static_cast<double>(other.counts_[i]);
+      area += std::abs(ahead);
+    }
+    return area / (pixels * static_cast<double>(kBins));
+  }
+
+ private:
+  static constexpr std::size_t kBins = 2048;
+  std::vector<std::uint32_t> counts_ = std::vector<std::uint32_t>(kBins);
+};
+
 /// Sums over the pixels of a ninth.
 struct RegionSums {
   double pixels = 0.0;
@@ -171,6 +197,22 @@ struct RegionSums {
   double simulated_squares = 0.0;
   double products = 0.0;
   double similarity = 0.0;
+  double gradients = 0.0;  ///< number of reduced pixels, sum and squares of their similarity
+  double gradient_sum = 0.0;
+  double gradient_squares = 0.0;
+  GreyCounts real_greys = {};
+  GreyCounts simulated_greys = {};
+
+  void add_gradient(double similar) {
+    gradients += 1.0;
+    gradient_sum += similar;
+    gradient_squares += similar * similar;
+  }
+
+  double gradient_deviation() const {
+    const double mean = gradient_sum / std::max(gradients, 1.0);
+    return std::sqrt(std::max(gradient_squares / std::max(gradients, 1.0) - mean * mean, 0.0));
+  }
 
   void add(double real_grey, double simulated_grey, double similar) {
     pixels += 1.0;
@@ -180,6 +222,8 @@ struct RegionSums {
     simulated_squares += simulated_grey * simulated_grey;
     products += real_grey * simulated_grey;
     similarity += similar;
+    real_greys.add(real_grey);
+    simulated_greys.add(simulated_grey);
   }
 
   RegionAppearance appearance() const {
@@ -192,9 +236,20 @@ struct RegionSums {
             .residual_rms = std::sqrt(std::max(squares, 0.0) / pixels),
             .correlation =
                 varied > 0.0 ? (products - real * simulated / pixels) / std::sqrt(varied) : 0.0,
-            .ssim = similarity / pixels};
+            .ssim = similarity / pixels,
+            .gmsd = gradient_deviation(),
+            .histogram_distance = real_greys.distance_to(simulated_greys, pixels)};
   }
 };
+
+/// Whether a pixel begins one of the gradients' reduced pixels that is wholly in the region.
+bool begins_gradient(const ComparedPair& pair, int x, int y) {
+  const bool is_first = x % 2 == 0 && y % 2 == 0 && x / 2 < pair.gradient_similarity.width() &&
+                        y / 2 < pair.gradient_similarity.height();
+  const Mask& region = pair.region;
+  return is_first && (region.empty() || (region(x, y) != 0 && region(x + 1, y) != 0 &&
+                                         region(x, y + 1) != 0 && region(x + 1, y + 1) != 0));
+}
 
 std::array<RegionSums, 9> ninths_of(const ComparedPair& pair) {
   const Extent extent = extent_of(pair.region, pair.real.grey);
@@ -204,10 +259,13 @@ std::array<RegionSums, 9> ninths_of(const ComparedPair& pair) {
     for (int x = extent.x0; x < extent.x1; ++x) {
       if (pair.region.empty() || pair.region(x, y) != 0) {
         const int column = 3 * (x - extent.x0) / (extent.x1 - extent.x0);
-        ninths[static_cast<std::size_t>(3 * row + column)].add(
-            static_cast<double>(pair.real.grey(x, y)),
-            static_cast<double>(pair.exposed(x, y)),
-            static_cast<double>(pair.similarity(x, y)));
+        RegionSums& ninth = ninths[static_cast<std::size_t>(3 * row + column)];
+        ninth.add(static_cast<double>(pair.real.grey(x, y)),
+                  static_cast<double>(pair.exposed(x, y)),
+                  static_cast<double>(pair.similarity(x, y)));
+        if (begins_gradient(pair, x, y)) {
+          ninth.add_gradient(static_cast<double>(pair.gradient_similarity(x / 2, y / 2)));
+        }
       }
     }
   }

@@ -56,6 +56,8 @@ struct RegionAppearance {
   double residual_rms = 0.0;  ///< of the same
   double correlation = 0.0;
   double ssim = 0.0;
+  double gmsd = 0.0;
+  double histogram_distance = 0.0;  ///< of greys up to full scale, to half a thousandth
 };
 
 /// A turn or mirror image of the real picture that fits the simulated one better than itself.
@@ -74,6 +76,7 @@ struct ComparedPair {
   ImageF exposed;                         ///< the simulated picture in the real one's exposure
   Mask region;                            ///< where grey values are compared
   ImageF similarity;                      ///< ssim_map()
+  ImageF gradient_similarity;             ///< gradient_similarity_map()
   std::vector<RegionAppearance> regions;  ///< those with at least 100 pixels
   std::optional<BetterTurn> better_turn;
   std::vector<std::string> notes;

@@ -52,7 +52,7 @@ TEST_F(CompareVerb, PrintsWhatItFoundAndWritesAPage) {
   EXPECT_THAT(read_file(folder_ / "out/report.html"),
               AllOf(HasSubstr("Photograph minus simulated"),
                     HasSubstr("mean distance px"),
-                    HasSubstr("rms in shares of full scale"),
+                    HasSubstr("histogram distance in shares of full scale"),
                     HasSubstr("only light")));
   for (const char* name : {"result.json",
                            "run.json",

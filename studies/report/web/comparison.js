@@ -124,8 +124,8 @@ function edgesTable(pair) {
 function regionsTable(pair) {
   const regions = pair.regions ?? [];
   if (regions.length < 2) return null;
-  const row = (region) => h('tr', {}, h('td', {}, region.name), cell(region.grey, 3), cell(region.difference, 3), cell(region.residual_rms, 3), cell(region.correlation, 3), cell(region.ssim, 3));
-  return h('div', {}, h('h4', {}, 'Region by region'), h('p', { class: 'lead' }, 'Grey, differences and rms in shares of full scale.'), table(['ninth of the part', 'grey of the photograph', 'minus simulated', 'rms', 'correlation', 'SSIM'], regions.map(row)));
+  const row = (region) => h('tr', {}, h('td', {}, region.name), cell(region.grey, 3), cell(region.difference, 3), cell(region.residual_rms, 3), cell(region.correlation, 3), cell(region.ssim, 3), cell(region.gmsd, 3), cell(region.histogram_distance, 4));
+  return h('div', {}, h('h4', {}, 'Region by region'), h('p', { class: 'lead' }, 'Grey, differences, rms and histogram distance in shares of full scale.'), table(['ninth of the part', 'grey of the photograph', 'minus simulated', 'rms', 'correlation', 'SSIM', 'GMSD', 'histogram'], regions.map(row)));
 }
 
 function inspectionTable(pair) {

@@ -87,7 +87,11 @@ TEST_F(ComparePairTest, TellsInWhichRegionGreysDiffer) {
   EXPECT_EQ(pair.regions[8].pixels, 2000U);
   EXPECT_NEAR(pair.regions[8].difference, -0.1, 0.02);
   EXPECT_GT(pair.regions[8].correlation, 0.999);
+  // All of its greys lie on one side, as far as the mean does; the region's rims differ most.
+  EXPECT_NEAR(pair.regions[8].histogram_distance, -pair.regions[8].difference, 1e-3);
   for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_LT(pair.regions[i].histogram_distance, 0.02) << pair.regions[i].name;
+    EXPECT_LT(pair.regions[i].gmsd, pair.regions[8].gmsd) << pair.regions[i].name;
     EXPECT_LT(std::abs(pair.regions[i].difference), 0.02) << pair.regions[i].name;
     EXPECT_GT(pair.regions[i].ssim, pair.regions[8].ssim) << pair.regions[i].name;
   }

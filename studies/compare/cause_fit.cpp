@@ -11,16 +11,19 @@
 #include <utility>
 
 #include <ceres/ceres.h>
-#include <ceres/rotation.h>
 #include <Eigen/Core>
 
 #include "core/units.h"
+#include "studies/compare/edge_cost.h"
 #include "studies/compare/edge_system.h"
 
 namespace glint {
 namespace {
 
+using compare_detail::cost_of;
+using compare_detail::EdgeCost;
 using compare_detail::EdgeSystem;
+using compare_detail::index_of;
 using compare_detail::kNotSeparable;
 using Eigen::Index;
 using Eigen::Vector2d;
@@ -30,66 +33,7 @@ using Eigen::VectorXd;
 constexpr std::size_t kMinEdges = 50;
 constexpr double kSure = 3.7;  ///< standard deviations of a cause that is told
 
-constexpr std::size_t index_of(CauseParameter parameter) {
-  return static_cast<std::size_t>(parameter);
-}
-
-/// The pixel of a point under changes of all parameters.
-template <class T>
-void project(const PinholeIntrinsics& camera,
-             const Vector3d& middle_mm,
-             const T* change,
-             const Vector3d& point_mm,
-             T* pixel) {
-  const Vector3d from = point_mm - middle_mm;
-  const T around[3] = {T(from.x()), T(from.y()), T(from.z())};
-  T turned[3];
-  ceres::AngleAxisRotatePoint(change, around, turned);
-  const T z = turned[2] + middle_mm.z() + change[index_of(CauseParameter::kDistance)];
-  const T x = (turned[0] + middle_mm.x() + change[index_of(CauseParameter::kShiftX)]) / z;
-  const T y = (turned[1] + middle_mm.y() + change[index_of(CauseParameter::kShiftY)]) / z;
-  const T r2 = x * x + y * y;
-  const T k1 = camera.radial[0] + change[index_of(CauseParameter::kK1)];
-  const T p1 = camera.tangential[0] + change[index_of(CauseParameter::kP1)];
-  const double p2 = camera.tangential[1];
-  const T radial = 1.0 + r2 * (k1 + r2 * (camera.radial[1] + r2 * camera.radial[2]));
-  const T u = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
-  const T v = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
-  const T focal = 1.0 + change[index_of(CauseParameter::kFocalLength)] / camera.focal_px.x();
-  pixel[0] = camera.focal_px.x() * focal * u + camera.center_px.x() +
-             change[index_of(CauseParameter::kCentreX)];
-  pixel[1] = camera.focal_px.y() * focal * v + camera.center_px.y() +
-             change[index_of(CauseParameter::kCentreY)];
-}
-
-/// Offset of an edge that the changes leave.
-struct EdgeCost {
-  const PinholeIntrinsics& camera;
-  const Vector3d& middle_mm;
-  const SpaceEdge& edge;
-  Vector2d before_px;
-  double root_weight = 1.0;
-
-  template <class T>
-  bool operator()(const T* change, T* rest) const {
-    T pixel[2];
-    project(camera, middle_mm, change, edge.in_camera_mm, pixel);
-    rest[0] = root_weight * (edge.offset_px - ((pixel[0] - before_px.x()) * edge.normal.x() +
-                                               (pixel[1] - before_px.y()) * edge.normal.y()));
-    return true;
-  }
-};
-
 using EdgeCostFunction = ceres::AutoDiffCostFunction<EdgeCost, 1, kCauseParameters>;
-
-EdgeCost cost_of(const PinholeIntrinsics& camera,
-                 const Vector3d& middle_mm,
-                 const SpaceEdge& edge) {
-  return {.camera = camera,
-          .middle_mm = middle_mm,
-          .edge = edge,
-          .before_px = changed_pixel(camera, middle_mm, CauseVector{}, edge.in_camera_mm)};
-}
 
 /// How offsets grow with each parameter about some changes, and what they would be were all that
 /// linear.
@@ -317,7 +261,7 @@ Vector2d changed_pixel(const PinholeIntrinsics& camera,
                        const CauseVector& changes,
                        const Vector3d& point_mm) {
   Vector2d pixel;
-  project(camera, middle_mm, changes.data(), point_mm, pixel.data());
+  compare_detail::project(camera, middle_mm, changes.data(), point_mm, pixel.data());
   return pixel;
 }
 

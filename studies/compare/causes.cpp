@@ -288,12 +288,17 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
     const SceneSettings scene = load_scene(source.scene);
     const SimulatedSurface surface = surface_of(pair, scene);
     causes.middle_mm = surface.middle_mm();
-    causes.edges = matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, known).fit;
+    MatchedCauses matched =
+        matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, known);
+    causes.edges = std::move(matched.fit);
     withhold_doubtful(pair.geometry.outlines, pair.simulated.width(), causes);
     for (const FoundCause& found : causes.edges->causes) {
       causes.told.push_back(told(found));
     }
     note_contradiction(*causes.edges, causes.notes);
+    if (causes.notes.empty()) {
+      causes.space_edges = std::move(matched.edges);
+    }
   }
   if (const auto gain = gain_cause(pair)) {
     causes.gain = gain->value;

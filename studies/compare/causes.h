@@ -35,6 +35,7 @@ struct PairCauses {
   double roughness_change = 0.0;                         ///< of material.roughness
   std::optional<PinholeIntrinsics> calibrated = {};      ///< the real camera, where it is known
   std::vector<std::string> notes = {};                   ///< why none is told
+  std::vector<SpaceEdge> space_edges = {};               ///< matched; empty where they are doubtful
 };
 
 /// Edges of the pair with their places in space, matched where the causes take them.

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/config/toml.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
@@ -82,6 +83,7 @@ class CompareRun {
     Json result = result_json();
     write_all(stage.path(), result);
     stage.commit();
+    remove_stale_scene();
     folder.keep();
     result["report"] = (out_ / "report.html").string();
     result["folder"] = out_.string();
@@ -113,7 +115,7 @@ class CompareRun {
   }
 
   void check_folder() const {
-    std::vector<std::string> names = {"result.json", "report.html", "run.json"};
+    std::vector<std::string> names = {"result.json", "report.html", "run.json", "refined.toml"};
     for (std::size_t i = 0; i < plan_.pairs.size(); ++i) {
       names.push_back(folder_of(i));
     }
@@ -140,6 +142,7 @@ class CompareRun {
         bar.update(static_cast<std::int64_t>(begin + i + 1), compared[i].pair.real.source.name);
       }
     }
+    joint_ = joint_scene();
   }
 
   std::vector<Explained> compared_from(std::size_t begin, std::size_t size) {
@@ -197,12 +200,41 @@ class CompareRun {
       write_file(folder / "refined.toml",
                  refined_toml(pair.simulated.source, explained.causes, store_));
     }
+    if (options_.is_refining && pair.simulated.source.is_rendered()) {
+      views_.push_back(
+          {.scene = read_exposed_scene(pair.simulated.source), .causes = explained.causes});
+    }
     pages_.push_back(page_pair(pair));
     Json row = pair_json(pair, explained.causes);
     add_inspection(pair, row);
     pairs_.push_back(std::move(row));
     add_sample(pair.simulated, pair.region, pair.appearance.simulated, simulated_);
     add_sample(pair.real, pair.region, pair.appearance.real, reals_);
+  }
+
+  /// Of all views together; nothing where one of the pairs says nothing of its view.
+  std::optional<SceneSettings> joint_scene() const {
+    return views_.size() == plan_.pairs.size() ? jointly_refined(views_) : std::nullopt;
+  }
+
+  /// One that an earlier comparison left would be of other pictures.
+  void remove_stale_scene() const {
+    if (!joint_) {
+      std::error_code ignored;
+      fs::remove(out_ / "refined.toml", ignored);
+    }
+  }
+
+  /// What `--refine` has written of several pairs.
+  std::string refined_note() const {
+    return joint_
+               ? fmt::format(
+                     "refined.toml has all {} views, each with its own pose, and one lens that "
+                     "fits them together; a pair's own refined.toml is what its view says alone.",
+                     views_.size())
+               : std::string(
+                     "Each pair is refined by itself: its refined.toml has the pose, lens and "
+                     "exposure of its view alone.");
   }
 
   /// A part that cannot be inspected is compared all the same.
@@ -262,9 +294,7 @@ class CompareRun {
     result["verdict"] = compare_verdict(result["pairs"], stick);
     result["notes"] = plan_.notes;
     if (options_.is_refining && plan_.pairs.size() > 1) {
-      result["notes"].push_back(
-          "Each pair is refined by itself: its refined.toml has the pose, lens and exposure of its "
-          "view alone.");
+      result["notes"].push_back(refined_note());
     }
     if (has_yardstick() && !stick) {
       result["notes"].push_back("No yardstick of photographs: the part has no window of 16 px in " +
@@ -277,6 +307,9 @@ class CompareRun {
   void write_all(const fs::path& stage, const Json& result) const {
     write_file(stage / "result.json", result.dump(2) + "\n");
     write_file(stage / "report.html", compare_page(result, pages_));
+    if (joint_) {
+      write_file(stage / "refined.toml", to_toml(write_scene(*joint_)));
+    }
     Json run = provenance();
     run["verb"] = command_of(ResultKind::kCompare);
     run["pairs"] = plan_.pairs.size();
@@ -297,6 +330,8 @@ class CompareRun {
   KnownCamera camera_;
   Json pairs_ = Json::array();
   std::vector<PagePair> pages_;
+  std::vector<RefinedView> views_;  ///< with --refine: of pairs whose simulated side was rendered
+  std::optional<SceneSettings> joint_;
   std::map<std::string, TextureSample> simulated_;
   std::map<std::string, TextureSample> reals_;
 };

@@ -30,7 +30,8 @@ struct CompareOptions {
 };
 
 /// Writes result.json, report.html, run.json and a folder of pictures for each pair: overlay.png,
-/// simulated.png, difference.exr, and refined.toml where that is wanted and causes were found.
+/// simulated.png, difference.exr, and refined.toml where that is wanted and causes were found;
+/// refined.toml of all pairs beside them, where they are several views of one scene.
 /// @return what result.json holds, and "folder", "report", "timings" (this_run_s, of that render_s
 ///         and compare_s)
 /// @throws ConfigError, IoError; nothing is left behind

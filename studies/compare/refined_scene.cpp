@@ -2,12 +2,18 @@
 #include "studies/compare/refined_scene.h"
 
 #include <algorithm>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 
 #include "core/config/toml.h"
+#include "core/median.h"
+#include "simulator/camera/viewpoint_file.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/compare/camera/scene_camera.h"
+#include "studies/compare/joint_lens.h"
 #include "studies/imaging/scene_picture.h"
 
 namespace glint {
@@ -39,6 +45,54 @@ void put_changes(const CauseVector& change, const Vector3d& middle_mm, SceneSett
   refined.camera.center_y_px = camera.center_px.y() + change[8];
   refined.camera.k1 = camera.radial[0] + change[9];
   refined.camera.p1 = camera.tangential[0] + change[10];
+}
+
+/// All of a scene but where it is looked at from.
+std::string text_without_view(SceneSettings scene) {
+  scene.viewpoints = {Viewpoint{}};
+  return to_toml(write_scene(scene));
+}
+
+bool are_of_one_scene(std::span<const RefinedView> views) {
+  std::set<ViewpointVector> poses;
+  for (const RefinedView& view : views) {
+    poses.insert(vector_of(view.scene.viewpoint()));
+  }
+  return views.size() >= 2 && poses.size() == views.size() &&
+         allows_many_viewpoints(views.front().scene) &&
+         std::ranges::all_of(views, [&](const RefinedView& view) {
+           return view.causes.edges && !view.causes.space_edges.empty() &&
+                  !view.causes.calibrated &&
+                  text_without_view(view.scene) == text_without_view(views.front().scene);
+         });
+}
+
+/// Parameters of the camera that some view holds for a cause, or cannot tell from one.
+std::vector<CauseParameter> lens_causes(std::span<const RefinedView> views) {
+  std::set<CauseParameter> lens;
+  const auto add = [&](CauseParameter parameter) {
+    if (parameter >= CauseParameter::kFocalLength) {
+      lens.insert(parameter);
+    }
+  };
+  for (const RefinedView& view : views) {
+    for (const FoundCause& cause : view.causes.edges->causes) {
+      add(cause.parameter);
+      std::ranges::for_each(cause.not_separable, add);
+    }
+  }
+  return {lens.begin(), lens.end()};
+}
+
+std::vector<LensView> lens_views(std::span<const RefinedView> views) {
+  std::vector<LensView> list;
+  for (const RefinedView& view : views) {
+    list.push_back({.edges = view.causes.space_edges,
+                    .middle_mm = view.causes.middle_mm,
+                    .changes = view.causes.edges->changes,
+                    .noise_px = view.causes.edges->noise_px});
+  }
+  return list;
 }
 
 }  // namespace
@@ -74,6 +128,28 @@ std::string refined_toml(const CompareSource& source, const PairCauses& causes, 
     scene = with_equal_exposure(store, scene);
   }
   return to_toml(write_scene(refined_scene(scene, causes)));
+}
+
+std::optional<SceneSettings> jointly_refined(std::span<const RefinedView> views) {
+  if (!are_of_one_scene(views)) {
+    return std::nullopt;
+  }
+  const std::vector<CauseVector> changes =
+      fit_joint_lens(lens_views(views), intrinsics_of(views.front().scene), lens_causes(views));
+  std::vector<double> gains;
+  std::vector<Viewpoint> viewpoints;
+  SceneSettings joint;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    joint = views[i].scene;
+    put_changes(changes[i], views[i].causes.middle_mm, joint);
+    viewpoints.push_back(joint.viewpoint());
+    gains.push_back(views[i].causes.gain);
+  }
+  PairCauses exposure;
+  exposure.gain = median(gains);
+  joint = refined_scene(joint, exposure);
+  joint.viewpoints = std::move(viewpoints);
+  return joint;
 }
 
 }  // namespace glint

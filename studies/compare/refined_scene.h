@@ -3,6 +3,8 @@
 // The scene of a simulated picture with what explains the real one put in.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 
 #include "studies/compare/causes.h"
@@ -25,5 +27,18 @@ SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes
 /// that it stands for is found by rendering, and written in its place.
 /// @param source  a rendered view @throws ConfigError, IoError
 std::string refined_toml(const CompareSource& source, const PairCauses& causes, SceneStore& store);
+
+/// A view of several that are refined together.
+struct RefinedView {
+  SceneSettings scene;  ///< read_exposed_scene(), of one viewpoint
+  PairCauses causes;    ///< without a calibration
+};
+
+/// One scene of all views: each from its own viewpoint as its picture has it, with the lens that
+/// fits all of them together (fit_joint_lens(), of what some view says that its lens does) and the
+/// median of their gains. Roughness is the scene's own.
+/// @return nothing for fewer than two viewpoints, for views of scenes that differ in more than
+///         their viewpoint, of which one has doubtful edges, or that allow one viewpoint only
+std::optional<SceneSettings> jointly_refined(std::span<const RefinedView> views);
 
 }  // namespace glint

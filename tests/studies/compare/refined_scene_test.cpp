@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/compare/refined_scene.h"
 
+#include <cmath>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/config/toml.h"
 #include "core/file.h"
+#include "core/rng.h"
 #include "core/thread_pool.h"
+#include "core/units.h"
 #include "studies/imaging/scene_picture.h"
 #include "tests/studies/compare/compare_fixture.h"
 
@@ -81,6 +85,64 @@ TEST_F(RefinedExposure, OfADesignBeyondFullScaleIsAnExposure) {
   const double grey = 0.5 * scene.sensor.exposure * scene.sensor.gain;
   EXPECT_NEAR(grey, 1.2 * (0.9 - dark_grey(scene.sensor)), 0.2);
   EXPECT_GT(grey, 0.9);
+}
+
+/// A view of the plate from one side, whose edges say that the lens is one pixel longer.
+RefinedView view_with_longer_lens(double side_mm, double gain, std::uint64_t index) {
+  std::vector<Problem> errors;
+  RefinedView view = {.scene = read_scene(parse_toml(kGreyPlate, "scene.toml"), errors)};
+  view.scene.expose_to = 0.0;
+  view.scene.viewpoint().position_mm = {side_mm, 0.0, 100.0};
+  const PinholeIntrinsics camera = intrinsics_of(view.scene);
+  CauseFit fit = {.noise_px = 0.02};
+  fit.causes.push_back({.parameter = CauseParameter::kFocalLength, .value = 1.0});
+  fit.changes[static_cast<std::size_t>(CauseParameter::kFocalLength)] = 1.0;
+  view.causes.middle_mm = {0.0, 0.0, 100.0};
+  view.causes.gain = gain;
+  Rng rng(23, Stream::kTest, index);
+  for (int i = 0; i < 400; ++i) {
+    const double angle = rng.uniform(0.0, 2.0 * kPi);
+    SpaceEdge edge = {.in_camera_mm = {rng.uniform(-11.0, 11.0),
+                                       rng.uniform(-8.0, 8.0),
+                                       100.0 + rng.uniform(-20.0, 20.0)},
+                      .normal = {std::cos(angle), std::sin(angle)}};
+    edge.offset_px = edge.normal.dot(
+        changed_pixel(camera, view.causes.middle_mm, fit.changes, edge.in_camera_mm) -
+        changed_pixel(camera, view.causes.middle_mm, CauseVector{}, edge.in_camera_mm));
+    view.causes.space_edges.push_back(edge);
+  }
+  view.causes.edges = fit;
+  return view;
+}
+
+TEST(JointlyRefined, HasAllViewsAndOneLens) {
+  const std::vector<RefinedView> views = {view_with_longer_lens(0.0, 1.1, 1),
+                                          view_with_longer_lens(30.0, 1.3, 2),
+                                          view_with_longer_lens(-30.0, 1.2, 3)};
+  const auto joint = jointly_refined(views);
+  ASSERT_TRUE(joint.has_value());
+  ASSERT_EQ(joint->viewpoints.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(
+        joint->viewpoints[i].position_mm[0], views[i].scene.viewpoint().position_mm[0], 0.1);
+  }
+  EXPECT_NEAR(
+      intrinsics_of(*joint).focal_px.x(), intrinsics_of(views[0].scene).focal_px.x() + 1.0, 0.1);
+  EXPECT_EQ(joint->expose_to, 0.0);
+  EXPECT_NEAR(joint->sensor.gain, 1.1 * 1.2, 1e-9);
+}
+
+TEST(JointlyRefined, IsNothingForOneViewOrForOtherScenes) {
+  const RefinedView view = view_with_longer_lens(0.0, 1.0, 1);
+  RefinedView other = view_with_longer_lens(30.0, 1.0, 2);
+  EXPECT_FALSE(jointly_refined(std::vector{view}));
+  EXPECT_FALSE(jointly_refined(std::vector{view, view}));
+  EXPECT_TRUE(jointly_refined(std::vector{view, other}));
+  other.scene.part.length_mm = 17.0;
+  EXPECT_FALSE(jointly_refined(std::vector{view, other}));
+  other = view_with_longer_lens(30.0, 1.0, 2);
+  other.causes.space_edges.clear();  // doubtful ones
+  EXPECT_FALSE(jointly_refined(std::vector{view, other}));
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "simulator/camera/pinhole_camera.h"
-#include "studies/compare/cause_fit.h"
 #include "studies/compare/compared_pair.h"
+#include "studies/compare/fit/cause_fit.h"
 #include "studies/definition/scene.h"
 #include "studies/imaging/scene_store.h"
 

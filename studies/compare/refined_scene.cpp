@@ -13,7 +13,7 @@
 #include "simulator/camera/viewpoint_file.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/compare/camera/scene_camera.h"
-#include "studies/compare/joint_lens.h"
+#include "studies/compare/fit/joint_lens.h"
 #include "studies/imaging/scene_picture.h"
 
 namespace glint {

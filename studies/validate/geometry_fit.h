@@ -15,7 +15,7 @@
 
 #include "core/pose.h"
 #include "simulator/camera/pinhole_camera.h"
-#include "studies/compare/cause_fit.h"
+#include "studies/compare/fit/cause_fit.h"
 
 namespace glint {
 

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "studies/compare/cause_fit.h"
+#include "studies/compare/fit/cause_fit.h"
 #include "studies/definition/scene.h"
 
 namespace glint {

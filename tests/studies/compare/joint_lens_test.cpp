@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/compare/joint_lens.h"
+#include "studies/compare/fit/joint_lens.h"
 
 #include <cmath>
 

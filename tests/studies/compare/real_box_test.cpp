@@ -16,7 +16,7 @@
 #include "metrics/overlap/edge_location.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
 #include "simulator/geometry/mesh_file/mesh_write.h"
-#include "studies/compare/cause_fit.h"
+#include "studies/compare/fit/cause_fit.h"
 
 namespace glint {
 namespace {

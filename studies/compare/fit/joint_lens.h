@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "studies/compare/cause_fit.h"
+#include "studies/compare/fit/cause_fit.h"
 
 namespace glint {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/compare/edge_system.h"
+#include "studies/compare/fit/edge_system.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 // All 2047 sets of the eleven parameters are compared by their linear fits, which costs eleven
 // columns once and a small solution a set; the best set is then fitted with the exact projection by
 // Ceres, and what turns out not to be sure leaves it. docs/theory/comparison.md.
-#include "studies/compare/cause_fit.h"
+#include "studies/compare/fit/cause_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +14,8 @@
 #include <Eigen/Core>
 
 #include "core/units.h"
-#include "studies/compare/edge_cost.h"
-#include "studies/compare/edge_system.h"
+#include "studies/compare/fit/edge_cost.h"
+#include "studies/compare/fit/edge_system.h"
 
 namespace glint {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/compare/joint_lens.h"
+#include "studies/compare/fit/joint_lens.h"
 
 #include <algorithm>
 #include <array>
 
 #include <ceres/ceres.h>
 
-#include "studies/compare/edge_cost.h"
+#include "studies/compare/fit/edge_cost.h"
 
 namespace glint {
 namespace {

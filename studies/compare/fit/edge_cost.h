@@ -3,17 +3,41 @@
 // What changes of pose, lens and camera leave of an edge's offset, for Ceres. Private to the room.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
+#include <limits>
 
-#include <ceres/rotation.h>
 #include <Eigen/Core>
 
-#include "studies/compare/cause_fit.h"
+#include "studies/compare/fit/cause_fit.h"
 
 namespace glint::compare_detail {
 
 constexpr std::size_t index_of(CauseParameter parameter) {
   return static_cast<std::size_t>(parameter);
+}
+
+/// A point turned about an axis by the axis' length (Rodrigues), to first order where that is near
+/// zero, so that its derivatives exist there.
+template <class T>
+void turn(const T* axis, const T* point, T* turned) {
+  using std::cos;
+  using std::sin;
+  using std::sqrt;
+  const T square = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
+  const bool is_turned = square > T(std::numeric_limits<double>::epsilon());
+  const T angle = is_turned ? sqrt(square) : T(1.0);
+  const T w[3] = {axis[0] / angle, axis[1] / angle, axis[2] / angle};
+  const T across[3] = {w[1] * point[2] - w[2] * point[1],
+                       w[2] * point[0] - w[0] * point[2],
+                       w[0] * point[1] - w[1] * point[0]};
+  const T along = w[0] * point[0] + w[1] * point[1] + w[2] * point[2];
+  const T cosine = cos(angle);
+  const T sine = sin(angle);
+  for (int k = 0; k < 3; ++k) {
+    turned[k] = is_turned ? point[k] * cosine + across[k] * sine + w[k] * along * (T(1.0) - cosine)
+                          : point[k] + across[k];
+  }
 }
 
 /// The pixel of a point under changes of all parameters.
@@ -26,7 +50,7 @@ void project(const PinholeIntrinsics& camera,
   const Eigen::Vector3d from = point_mm - middle_mm;
   const T around[3] = {T(from.x()), T(from.y()), T(from.z())};
   T turned[3];
-  ceres::AngleAxisRotatePoint(change, around, turned);
+  turn(change, around, turned);
   const T z = turned[2] + middle_mm.z() + change[index_of(CauseParameter::kDistance)];
   const T x = (turned[0] + middle_mm.x() + change[index_of(CauseParameter::kShiftX)]) / z;
   const T y = (turned[1] + middle_mm.y() + change[index_of(CauseParameter::kShiftY)]) / z;

@@ -97,7 +97,7 @@ class CompareRun {
     if (options_.scene.empty()) {
       return;
     }
-    const SceneSettings scene = read_view_scene(options_.scene);
+    const SceneSettings scene = load_scene(options_.scene);
     if (scene.viewpoints.size() != 1 || scene.viewpoint_set.source != ViewpointSource::kListed) {
       throw ConfigError(fmt::format("--scene {}: must have one [[viewpoint]], that of the picture",
                                     options_.scene.string()));

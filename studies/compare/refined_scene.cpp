@@ -98,7 +98,7 @@ std::vector<LensView> lens_views(std::span<const RefinedView> views) {
 }  // namespace
 
 SceneSettings read_exposed_scene(const CompareSource& source) {
-  SceneSettings scene = read_view_scene(source.scene);
+  SceneSettings scene = load_scene(source.scene);
   if (source.picture.stem() == "image") {
     scene.expose_to = 0.0;
   }

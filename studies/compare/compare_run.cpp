@@ -25,6 +25,7 @@
 #include "studies/compare/refined_scene.h"
 #include "studies/compare/surface_edges.h"
 #include "studies/compare/yardstick.h"
+#include "studies/definition/scene_file.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"

@@ -14,6 +14,7 @@
 #include "simulator/sensor/sensor.h"
 #include "studies/compare/camera/scene_camera.h"
 #include "studies/compare/fit/joint_lens.h"
+#include "studies/definition/scene_file.h"
 #include "studies/imaging/scene_picture.h"
 
 namespace glint {

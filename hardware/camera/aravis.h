@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Aravis' C interface with owners and exceptions; included by the two sources that use it alone.
+// Aravis' C interface with owners and exceptions; included by the sources that use it alone.
 #pragma once
 
 #include <arv.h>

@@ -10,6 +10,7 @@
 #include "hardware/camera/aravis.h"
 #include "hardware/camera/aravis_camera.h"
 #include "hardware/camera/find_cameras.h"
+#include "hardware/camera/kept_features.h"
 #include "hardware/gige/udp_socket.h"
 
 namespace glint {
@@ -256,6 +257,7 @@ void AravisDriver::set_packets(const CameraConfiguration& configuration) {
 DriverSettings AravisDriver::configure(const CameraConfiguration& configuration) {
   ArvCamera* camera = camera_.get();
   Failure failure;
+  aravis::restore_features(device(), configuration.restored);
   arv_camera_set_pixel_format_from_string(
       camera, std::string(name_of(configuration.format)).c_str(), failure.slot());
   failure.check("format");
@@ -278,6 +280,7 @@ DriverSettings AravisDriver::configure(const CameraConfiguration& configuration)
   settings.exposure_us = arv_camera_get_exposure_time(camera, failure.slot());
   failure.check("exposure_us");
   settings.gain = settings.description.has_gain ? arv_camera_get_gain(camera, nullptr) : 0.0;
+  settings.others = aravis::kept_features(device());
   return settings;
 }
 

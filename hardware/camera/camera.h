@@ -56,6 +56,9 @@ struct CameraDescription {
   int packet_size = 0;              ///< bytes with all headers; 0: no network camera
 };
 
+/// Features by their names and values, in the order in which they are set.
+using NamedFeatures = std::vector<std::pair<std::string, std::string>>;
+
 /// How pictures are taken. What is left empty stays as the camera has it.
 struct CameraConfiguration {
   PixelFormat format = PixelFormat::kMono8;
@@ -66,7 +69,9 @@ struct CameraConfiguration {
   std::optional<int> packet_size = {};      ///< bytes; tested before it is used
   bool uses_packet_sockets = true;          ///< where the system allows them
   /// Any other feature by its name, in this order.
-  std::vector<std::pair<std::string, std::string>> features = {};
+  NamedFeatures features = {};
+  /// Set before all others: what a camera that comes back after a loss had before, by itself.
+  NamedFeatures restored = {};
 };
 
 enum class FrameStatus {
@@ -129,7 +134,8 @@ class Camera {
   virtual void stop() = 0;
 
   /// Opens a lost camera again, configures and starts it as before, trying with pauses that grow to
-  /// 2 s. @return false: not within that time
+  /// 2 s. Without power it may have forgotten what it had by itself: gain and other features that
+  /// change pictures are set, too. @return false: not within that time
   virtual bool reopen(std::chrono::milliseconds within) = 0;
 
   /// Also when it is lost. Returns within 3 s, whatever the camera does.

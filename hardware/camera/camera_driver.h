@@ -35,6 +35,7 @@ struct DriverSettings {
   CameraDescription description;
   double exposure_us = 0.0;
   double gain = 0.0;
+  NamedFeatures others = {};  ///< that change pictures, whoever has set them
 };
 
 /// An opened camera; closes it when destroyed.

@@ -282,9 +282,21 @@ Frame SupervisedCamera::capture() {
   return frame;
 }
 
+/// With what the configuration left to the camera, which may have lost it with its power.
+CameraConfiguration SupervisedCamera::configuration_as_it_was() const {
+  CameraConfiguration configuration = configuration_;
+  const CameraDescription& camera = settings_.description;
+  if (camera.has_gain && !configuration.gain_db && !configuration.gain_raw) {
+    (camera.is_gain_in_db ? configuration.gain_db : configuration.gain_raw) = settings_.gain;
+  }
+  configuration.restored = settings_.others;
+  return configuration;
+}
+
 bool SupervisedCamera::reopen(milliseconds within) {
   const auto until = Clock::now() + within;
   milliseconds pause = deadlines_.first_pause;
+  const CameraConfiguration as_it_was = configuration_as_it_was();
   while (Clock::now() < until) {
     try {
       session_ = opened(std::min(until, Clock::now() + deadlines_.settings));
@@ -292,7 +304,7 @@ bool SupervisedCamera::reopen(milliseconds within) {
         state_ = CameraState::kReady;
         const CameraState wanted = wanted_;
         if (is_configured_) {
-          configure(configuration_);
+          configure(as_it_was);
         }
         if (wanted == CameraState::kAcquiring) {
           start();

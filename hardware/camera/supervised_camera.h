@@ -57,6 +57,7 @@ class SupervisedCamera final : public Camera {
   struct Session;
 
   std::shared_ptr<Session> opened(Clock::time_point until) const;
+  CameraConfiguration configuration_as_it_was() const;
   std::chrono::milliseconds exposure_time() const;
   std::chrono::milliseconds longest_silence() const;
   Frame capture_once();

@@ -19,8 +19,9 @@ constexpr double kArrivedTurnRad = 5e-3;
 constexpr double kSlowestScaling = 0.05;
 constexpr double kOffWayRad = 0.03;  ///< controllers cut no corners: a joint lags along the way
 constexpr double kOffWayMm = 10.0;
-constexpr double kStandsS = 0.25;  ///< a program of Glint's does not let the arm stand so long
-constexpr double kSlowestMeanRadS = 0.01;  ///< slower motions may look like a standstill
+constexpr double kBeatS = 0.25;   ///< a program of Glint's changes its register more often
+constexpr double kFirstS = 0.4;   ///< and writes it first within this time
+constexpr int kBeatPackages = 5;  ///< the same where a clock goes faster than packages
 
 /// How far a point is from the segment between two others: its largest component.
 double off_segment(const auto& from, const auto& to, const auto& at) {
@@ -128,7 +129,7 @@ bool MotionWatch::has_arrived(const RobotState& state) const {
 
 // Whatever moves the arm elsewhere is stopped: the way was checked, other ways were not.
 bool MotionWatch::is_on_its_way(const RobotState& state) {
-  has_begun_ = has_begun_ || state.ack == ack_.begun || state.ack == ack_.ended;
+  has_begun_ = has_begun_ || ack_.is_of_program(state.ack);
   const bool is_joints = motion_.kind == CheckedMotion::Kind::kJoints;
   const double off_rad = off_segment(motion_.start_rad, motion_.goal_rad, state.actual_q_rad);
   const double off_mm = off_segment(
@@ -141,23 +142,31 @@ bool MotionWatch::is_on_its_way(const RobotState& state) {
   return !result_;
 }
 
-/// A program that took the place of ours is left alone: while the arm stands, it moves nothing. A
-/// slow start and a slider near nought are no other program.
+void MotionWatch::end_by_other_program() {
+  if (!result_) {
+    is_other_program_ = true;
+    end(MotionOutcome::kProgramStopped, "another program runs on the controller", false);
+  }
+}
+
+/// A program that took the place of ours is left alone. It does not change our register, or writes
+/// what we do not.
 void MotionWatch::look_for_other_program(const RobotState& state) {
-  const double way_rad = (motion_.goal_rad - motion_.start_rad).cwiseAbs().maxCoeff();
-  const double mean_rad_s =
-      state.known_speed_share() * way_rad / std::max(motion_.duration_s, 1e-3);
-  has_moved_ = has_moved_ || (has_begun_ && !state.is_still());
-  if (!has_moved_ || state.runtime_state != RuntimeState::kPlaying || !state.is_still() ||
-      has_arrived(state) || mean_rad_s < kSlowestMeanRadS) {
-    stands_from_s_.reset();
+  if (state.runtime_state != RuntimeState::kPlaying || state.ack != newest_ack_) {
+    same_from_s_.reset();
+  }
+  newest_ack_ = state.ack;
+  if (has_begun_ && !ack_.is_of_program(state.ack)) {
+    end_by_other_program();
+  }
+  if (state.runtime_state != RuntimeState::kPlaying) {
     return;
   }
-  stands_from_s_ = stands_from_s_.value_or(state.timestamp_s);
-  if (state.timestamp_s - *stands_from_s_ > kStandsS) {
-    end(MotionOutcome::kProgramStopped,
-        "another program runs on the controller: the arm stands short of its goal",
-        false);
+  same_packages_ = same_from_s_ ? same_packages_ + 1 : 0;
+  same_from_s_ = same_from_s_.value_or(state.timestamp_s);
+  if (state.timestamp_s - *same_from_s_ > (has_begun_ ? kBeatS : kFirstS) &&
+      same_packages_ > kBeatPackages) {
+    end_by_other_program();
   }
 }
 
@@ -214,7 +223,7 @@ void MotionWatch::on_time(double now_s) {
     return;
   }
   if (is_program_running_) {
-    end(MotionOutcome::kProgramStopped, "another program runs on the controller", false);
+    end_by_other_program();
   } else {
     end(MotionOutcome::kTimeout, "the controller did not begin the motion", true);
   }

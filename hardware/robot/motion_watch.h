@@ -40,12 +40,19 @@ class MotionWatch {
   /// The arm may still be moving, or begin to: a stop has to be sent.
   bool must_stop() const { return must_stop_; }
 
+  /// The motion's program was seen to run.
+  bool has_begun() const { return has_begun_; }
+
+  /// Another program has taken the place of the motion's: nothing is sent into it.
+  bool is_other_program() const { return is_other_program_; }
+
  private:
   void end(MotionOutcome outcome, std::string text, bool must_stop);
   bool is_within_limits(const RobotState& state);
   bool has_arrived(const RobotState& state) const;
   bool is_on_its_way(const RobotState& state);
   void look_for_other_program(const RobotState& state);
+  void end_by_other_program();
   void look_at_program(const RobotState& state, double now_s);
   void look_at_refusal(double now_s);
 
@@ -57,10 +64,12 @@ class MotionWatch {
   double longest_s_;                    ///< that the motion may take, by the controller's clock
   std::optional<double> end_by_stamp_;  ///< of that clock, once a package has told the time
   bool has_begun_ = false;
-  bool has_moved_ = false;               ///< since it has begun
-  bool is_program_running_ = false;      ///< by the newest package
-  std::optional<double> stopped_at_s_;   ///< when the program was first seen not to run any more
-  std::optional<double> stands_from_s_;  ///< of the controller's clock: still, short of the goal
+  bool is_other_program_ = false;
+  bool is_program_running_ = false;     ///< by the newest package
+  std::optional<double> stopped_at_s_;  ///< when the program was first seen not to run any more
+  std::int32_t newest_ack_ = 0;
+  std::optional<double> same_from_s_;  ///< of the controller's clock: a program plays since then
+  int same_packages_ = 0;              ///< and the register has not changed in so many
   std::optional<Eigen::Vector3d> start_mm_;  ///< of the TCP, as the controller told it first
   std::string message_;                      ///< the controller's reason
   bool is_refused_ = false;    ///< the reason came before the motion had begun, as an exception

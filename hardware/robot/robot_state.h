@@ -37,9 +37,6 @@ struct RobotState {
 
   bool is_program_running() const;
 
-  /// Of the speed that a program asks for; 0 where the slider is not known.
-  double known_speed_share() const { return speed_scaling * slider.value_or(0.0); }
-
   /// No joint is faster than 1e-3 rad/s.
   bool is_still() const;
 };

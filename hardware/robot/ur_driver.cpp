@@ -27,6 +27,7 @@ std::string UrDriver::take_script_output() {
   if (stopping_ && !stop_output_.empty()) {
     stopping_->is_taken = true;
   }
+  is_sent_ = is_sent_ || !motion_output_.empty();
   return std::exchange(motion_output_, {}) + std::exchange(stop_output_, {});
 }
 
@@ -58,6 +59,7 @@ void UrDriver::on_package(double now_s) {
   }
   if (watch_) {
     watch_->on_package(state, now_s);
+    has_begun_ = watch_->has_begun();
     look_at_motion(now_s);
   }
   look_at_stop(now_s);
@@ -78,8 +80,10 @@ void UrDriver::look_at_motion(double now_s) {
   using enum MotionOutcome;
   const MotionResult result = *watch_->result();
   const bool must_stop = watch_->must_stop();
+  const bool has_ended = result.outcome == kDone || result.outcome == kUnreachable;
+  is_sent_ = is_sent_ && !has_ended && !watch_->is_other_program();
   watch_.reset();
-  if (result.outcome != kDone && result.outcome != kUnreachable) {
+  if (!has_ended) {
     halt(result);
   }
   if (must_stop) {
@@ -226,6 +230,8 @@ std::optional<MotionResult> UrDriver::begin(const CheckedMotion& motion, double 
   const ScriptAck ack = ScriptAck::after(state_->ack);
   motion_output_ = motion_script(motion, settings_.ack_register, ack);
   result_.reset();
+  is_sent_ = false;
+  has_begun_ = false;
   still_ = StillPoseRule();
   watch_.emplace(
       motion, ack, arm_, settings_, state_->speed_scaling * state_->slider.value_or(1.0), now_s);
@@ -249,6 +255,22 @@ void UrDriver::interrupt(double now_s) {
   if (watch_) {
     watch_->on_interrupt();
     look_at_motion(now_s);
+  }
+}
+
+bool UrDriver::may_hold_program() const {
+  const bool is_gone = has_begun_ && !lost_ && state_ && !state_->is_program_running();
+  return is_sent_ && halted_ && !is_gone;
+}
+
+void UrDriver::on_program_dropped(const std::string& why) {
+  is_sent_ = false;
+  if (!why.empty() && result_) {
+    result_->text += fmt::format(
+        "; the controller may go on with its program when the stop is reset: end it at the pendant "
+        "({})",
+        why);
+    halted_ = result_;
   }
 }
 

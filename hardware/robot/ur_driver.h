@@ -71,6 +71,13 @@ class UrDriver {
   /// After this stop nothing moves any more; none: there was none.
   const std::optional<MotionResult>& halted() const { return halted_; }
 
+  /// After a stop: the controller may still have the motion's program, which goes on when a person
+  /// resets the stop. It has to be told to drop it.
+  bool may_hold_program() const;
+
+  /// It was told so. @param why  it may still have the program; empty: it has it no more
+  void on_program_dropped(const std::string& why);
+
   std::optional<StillPose> still_pose() const { return still_.pose(); }
 
   /// Waits for packages of a standstill from now on.
@@ -100,6 +107,8 @@ class UrDriver {
   std::string motion_output_;
   std::string stop_output_;
   bool may_move_ = false;
+  bool is_sent_ = false;    ///< the newest motion, whose program is not known to have gone
+  bool has_begun_ = false;  ///< its program was seen to run
   std::optional<RobotState> state_;
   double new_at_s_ = 0.0;  ///< when the newest package came
   std::optional<MotionWatch> watch_;

@@ -11,6 +11,7 @@
 
 #include "core/wall_clock.h"
 #include "hardware/robot/dashboard.h"
+#include "hardware/robot/program_drop.h"
 #include "hardware/robot/protocol/dashboard_text.h"
 #include "hardware/robot/tcp_link.h"
 
@@ -179,8 +180,20 @@ struct UrRobot::Impl {
                      reply.substr(0, 80));
   }
 
+  /// A stop that leaves the controller its program has it dropped; the reader goes on meanwhile.
+  MotionResult result_after_drop(std::unique_lock<std::mutex>& lock) {
+    if (permit && driver.may_hold_program()) {
+      lock.unlock();
+      const std::string why = drop_program(driver.settings(), *permit);
+      lock.lock();
+      driver.on_program_dropped(why);
+    }
+    return *driver.result();
+  }
+
   mutable std::mutex mutex;
   std::condition_variable changed;
+  std::optional<MotionPermit> permit;
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   UrDriver driver;
   TcpLink rtde;
@@ -222,6 +235,7 @@ void UrRobot::allow_motion(const MotionPermit& permit) {
   auto link = std::make_unique<TcpLink>(settings.host, settings.primary_port, kConnectS);
   const std::lock_guard lock(impl_->mutex);
   impl_->driver.allow_motion(permit);
+  impl_->permit = permit;
   impl_->primary = std::move(link);
 }
 
@@ -252,7 +266,7 @@ MotionResult UrRobot::run(const Begin& begin) {
       impl_->driver.on_time(impl_->now_s());  // nobody else tells it any more
     }
   }
-  return *impl_->driver.result();
+  return impl_->result_after_drop(lock);
 }
 
 std::optional<MotionResult> UrRobot::refusal() {

@@ -37,19 +37,30 @@ std::string move_text(const CheckedMotion& motion) {
 
 ScriptAck ScriptAck::after(std::int32_t held) {
   constexpr std::int32_t kMost = 1000000;
-  const std::int32_t begun = held < 0 || held >= kMost - 2 ? 1 : held + 1;
-  return {.begun = begun, .ended = begun + 1};
+  const std::int32_t begun = held < 0 || held >= kMost - 3 ? 1 : held + 1;
+  return {.begun = begun, .beat = begun + 1, .ended = begun + 2};
 }
 
 std::string motion_script(const CheckedMotion& motion, int ack_register, const ScriptAck& ack) {
   return fmt::format(
       "def glint_motion():\n"
+      "  thread glint_beat():\n"
+      "    while True:\n"
+      "      write_output_integer_register({0}, {2})\n"
+      "      sleep(0.02)\n"
+      "      write_output_integer_register({0}, {1})\n"
+      "      sleep(0.02)\n"
+      "    end\n"
+      "  end\n"
       "  write_output_integer_register({0}, {1})\n"
-      "  {2}\n"
-      "  write_output_integer_register({0}, {3})\n"
+      "  glint_beats = run glint_beat()\n"
+      "  {3}\n"
+      "  kill glint_beats\n"
+      "  write_output_integer_register({0}, {4})\n"
       "end\n",
       ack_register,
       ack.begun,
+      ack.beat,
       move_text(motion),
       ack.ended);
 }

@@ -77,12 +77,14 @@ std::string key_of(const TwinCellState& state) {
 
 RigidTransform joint_error_of(const TruthSettings& truth,
                               const Arm& arm,
-                              const JointVector& joints_rad) {
+                              const JointVector& joints_rad,
+                              const std::vector<std::string>& lights) {
   if (truth.joint_noise_rad == 0.0) {
     return {};
   }
   const RigidTransform told = transform_of(arm.forward(joints_rad));
-  Rng random(seed_of_pose(told, truth.seed), Stream::kRobotErrors, 0);
+  Rng random(
+      seed_of({.base_from_flange = told, .lights = lights}, truth.seed), Stream::kRobotErrors, 0);
   JointVector actual_rad = joints_rad;
   for (double& angle : actual_rad) {
     angle += truth.joint_noise_rad * random.normal();

@@ -23,7 +23,7 @@ struct TwinCellState {
   int stage_position = 0;           ///< of a tunnel's scan: its frame
   int placement = 1;                ///< how many times the part has been put down
   /// What errors of the joints make of the flange: base_from_flange * joint_error is where they
-  /// take it. Belongs to the pose, so that it is no part of key_of().
+  /// take it. Belongs to pose and lights, so that it is no part of key_of().
   RigidTransform joint_error = {};
 
   bool is_dark() const { return lights.size() == 0; }  // NOLINT(readability-container-size-empty)
@@ -33,10 +33,11 @@ struct TwinCellState {
 std::string key_of(const TwinCellState& state);
 
 /// The joint_error of an arm that stands there: each joint off by a normal number with the standard
-/// deviation of [truth]. Drawn by pose, so that it is the same each time.
+/// deviation of [truth]. Drawn by pose and lights that are on, so that it is the same each time.
 RigidTransform joint_error_of(const TruthSettings& truth,
                               const Arm& arm,
-                              const JointVector& joints_rad);
+                              const JointVector& joints_rad,
+                              const std::vector<std::string>& lights);
 
 /// Where the camera is in truth when the robot says that its flange is there: with the hidden
 /// hand-eye, and the error that the arm has at this pose, which is the same each time.

@@ -115,9 +115,10 @@ class CellWatch {
 
  private:
   TwinCellState state_of(const JointVector& joints_rad, std::uint64_t outputs, int position) const {
-    const RigidTransform joint_error = joint_error_of(truth_, arm_, joints_rad);
+    const std::vector<std::string> lights = lights_on(cell_, outputs);
+    const RigidTransform joint_error = joint_error_of(truth_, arm_, joints_rad, lights);
     return {.base_from_flange = transform_of(arm_.forward(joints_rad)),
-            .lights = lights_on(cell_, outputs),
+            .lights = lights,
             .stage_position = position,
             .placement = camera_.placement(),
             .joint_error = joint_error};
@@ -268,16 +269,19 @@ std::uint32_t address_of(const Cell& cell, bool is_free_address) {
   return *address;
 }
 
-TwinCellState first_state(const Cell& cell, const Truth& truth) {
+TwinCellState first_state(const Cell& cell,
+                          const Truth& truth,
+                          const std::vector<std::string>& lights) {
   if (!cell.robot) {
     return state_at_viewpoint(cell, truth);
   }
   const ArmWithTool arm = arm_with_tool(robot_of(cell), cell.limits);
   const CellPosition& start = safe_position_of(cell, "");
   const JointVector joints_rad = Eigen::Map<const JointVector>(start.joints_rad.data());
+  const RigidTransform joint_error = joint_error_of(truth.settings, arm.arm, joints_rad, lights);
   return {.base_from_flange = transform_of(arm.arm.forward(joints_rad)),
-          .lights = all_lights(cell),
-          .joint_error = joint_error_of(truth.settings, arm.arm, joints_rad)};
+          .lights = lights,
+          .joint_error = joint_error};
 }
 
 }  // namespace
@@ -297,7 +301,7 @@ ServingTwins camera_twin_of(const Cell& cell, CameraPlace place, int threads) {
   twins.push_back(std::make_unique<CameraServing>(cell,
                                                   truth,
                                                   address_of(cell, place.is_free),
-                                                  first_state(cell, truth),
+                                                  first_state(cell, truth, all_lights(cell)),
                                                   place.has_cable,
                                                   threads));
   return twins;
@@ -305,8 +309,7 @@ ServingTwins camera_twin_of(const Cell& cell, CameraPlace place, int threads) {
 
 ServingTwins both_twins_of(const Cell& cell, std::optional<int> port, bool has_cable, int threads) {
   const Truth truth = read_truth(truth_file_of(cell));
-  TwinCellState state = first_state(cell, truth);
-  state.lights = lights_on(cell, 0);
+  const TwinCellState state = first_state(cell, truth, lights_on(cell, 0));
   auto camera = std::make_unique<CameraServing>(
       cell, truth, address_of(cell, port == 0), state, has_cable, threads);
   TwinServerSettings settings = robot_twin_settings(cell, port);

@@ -38,10 +38,11 @@ std::optional<std::string> reply_to_anyone(std::string_view line) {
 }  // namespace
 
 std::string DashboardReplies::stop() {
-  if (!twin_.program_) {
+  if (!twin_.program_ && !twin_.has_other_program_) {
     return "Failed to execute: stop";
   }
   twin_.program_.reset();
+  twin_.has_other_program_ = false;
   constexpr double kStopRadS2 = 4.0;
   twin_.motion_.start_stop(kStopRadS2);
   return "Stopped";
@@ -100,7 +101,7 @@ std::string DashboardReplies::query(std::string_view line) const {
   if (line == "programState") {
     return fmt::format(
         "{} {}",
-        is_running ? "PLAYING" : "STOPPED",
+        name_of(twin_.runtime_state()),
         twin_.program_ && !twin_.program_->name.empty() ? twin_.program_->name : "<unnamed>");
   }
   if (line == "get loaded program") {

@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include <fmt/format.h>
@@ -147,6 +148,37 @@ std::string_view head_name(std::string_view line, std::string_view keyword) {
   return is_name(name) ? name : std::string_view();
 }
 
+ScriptStatement thread_statement(std::string_view function,
+                                 std::initializer_list<std::string_view> names) {
+  ScriptStatement statement = {.function = std::string(function), .arguments = {}};
+  for (const std::string_view name : names) {
+    statement.arguments.push_back({.kind = ScriptArgument::Kind::kText,  //
+                                   .name = std::string(name),
+                                   .numbers = {}});
+  }
+  return statement;
+}
+
+/// "x = run beat()", "kill x"; none: another statement.
+std::optional<ScriptStatement> parse_thread_statement(std::string_view line) {
+  constexpr std::string_view kKill = "kill ";
+  constexpr std::string_view kRun = "run ";
+  if (line.starts_with(kKill) && is_name(trimmed(line.substr(kKill.size())))) {
+    return thread_statement("kill", {trimmed(line.substr(kKill.size()))});
+  }
+  const std::size_t equals = line.find('=');
+  if (equals == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const std::string_view variable = trimmed(line.substr(0, equals));
+  std::string_view call = trimmed(line.substr(equals + 1));
+  if (!is_name(variable) || !call.starts_with(kRun) || !call.ends_with("()")) {
+    return std::nullopt;
+  }
+  call = trimmed(call.substr(kRun.size(), call.size() - kRun.size() - 2));
+  return is_name(call) ? std::optional(thread_statement("run", {call, variable})) : std::nullopt;
+}
+
 std::string_view without_comment(std::string_view line) {
   return trimmed(line.substr(0, line.find('#')));
 }
@@ -170,6 +202,9 @@ ParsedLine parse_statement(std::string_view line) {
   line = without_comment(line);
   if (line.empty()) {
     return {};
+  }
+  if (auto of_thread = parse_thread_statement(line)) {
+    return {.statement = std::move(of_thread), .error = ""};
   }
   const std::size_t open = line.find('(');
   if (open == std::string_view::npos || line.back() != ')' || !is_name(line.substr(0, open))) {
@@ -195,6 +230,34 @@ ParsedLine parse_statement(std::string_view line) {
   return {.statement = std::move(statement), .error = ""};
 }
 
+/// A line that opens a thread or its loop, or closes one. @return it was one
+bool ScriptReader::change_block(std::string_view text) {
+  const std::string_view thread = head_name(text, "thread ");
+  if (block_ == Block::kProgram && !thread.empty()) {
+    program_.threads.push_back({.name = std::string(thread), .statements = {}});
+    block_ = Block::kThread;
+  } else if (block_ == Block::kThread && text == "while True:" &&
+             program_.threads.back().statements.empty()) {
+    program_.threads.back().is_loop = true;
+    block_ = Block::kLoop;
+  } else if (block_ != Block::kProgram && text == "end") {
+    block_ = block_ == Block::kLoop ? Block::kThread : Block::kProgram;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void ScriptReader::add_statement(ScriptStatement statement) {
+  if (block_ == Block::kProgram) {
+    program_.statements.push_back(std::move(statement));
+  } else if (block_ == Block::kThread && program_.threads.back().is_loop) {
+    error_ = "a statement after an endless loop";
+  } else {
+    program_.threads.back().statements.push_back(std::move(statement));
+  }
+}
+
 std::optional<ScriptReader::Result> ScriptReader::add_line(std::string_view line) {
   const std::string_view text = without_comment(line);
   if (!is_inside_) {
@@ -213,26 +276,33 @@ std::optional<ScriptReader::Result> ScriptReader::add_line(std::string_view line
       return std::nullopt;
     }
     program_ = {.name = "", .is_secondary = false, .statements = {}};
-  } else if (text == "end") {
-    return finish();
   }
   bytes_ += line.size();
-  ParsedLine parsed = parse_statement(text);
-  if (!parsed.error.empty() && error_.empty()) {
-    error_ = std::move(parsed.error);
-  }
   if (bytes_ > kMostBytes) {
     error_ = fmt::format("a program of more than {} bytes", kMostBytes);
     return finish();
   }
+  if (is_inside_ && change_block(text)) {
+    return std::nullopt;
+  }
+  return is_inside_ && text == "end" ? std::optional(finish()) : add_text(text);
+}
+
+/// A statement within a program, or one that is a program of its own.
+std::optional<ScriptReader::Result> ScriptReader::add_text(std::string_view text) {
+  ParsedLine parsed = parse_statement(text);
+  if (!parsed.error.empty() && error_.empty()) {
+    error_ = std::move(parsed.error);
+  }
   if (parsed.statement) {
-    program_.statements.push_back(std::move(*parsed.statement));
+    add_statement(std::move(*parsed.statement));
   }
   return is_inside_ ? std::nullopt : std::optional(finish());
 }
 
 ScriptReader::Result ScriptReader::finish() {
   is_inside_ = false;
+  block_ = Block::kProgram;
   bytes_ = 0;
   Result result;
   result.error = std::exchange(error_, {});

@@ -7,6 +7,15 @@
 //       m movel(p[...], a=1.2, v=0.25) stopj(2)  stopl(2)  sleep(0.5) set_tcp(p[...])
 //       set_payload(1.2, [0, 0, 0.05]) write_output_integer_register(0, 17)  set_digital_out(1,
 //       True)  textmsg("...")
+//       thread beat():                                a thread of this program, which moves
+//       nothing;
+//         while True:                               with or without the loop around all of it
+//           write_output_integer_register(0, 1)
+//           sleep(0.1)
+//         end
+//       end
+//       beats = run beat()
+//       kill beats
 //     end
 //
 // A line outside def and sec is a program of its own.
@@ -41,10 +50,18 @@ struct ScriptStatement {
   double number(std::string_view name, std::size_t place, double otherwise) const;
 };
 
+struct ScriptThread {
+  std::string name;
+  bool is_loop = false;
+  std::vector<ScriptStatement> statements;
+};
+
+/// "x = run beat()" has the arguments named beat and x, "kill x" the one named x.
 struct ScriptProgram {
   std::string name;
   bool is_secondary = false;
   std::vector<ScriptStatement> statements;
+  std::vector<ScriptThread> threads = {};
 };
 
 /// A line of the subset; a text says what is wrong: of another language, unknown function, wrong
@@ -70,9 +87,15 @@ class ScriptReader {
   std::optional<Result> add_line(std::string_view line);
 
  private:
+  enum class Block { kProgram, kThread, kLoop };
+
   Result finish();
+  bool change_block(std::string_view text);
+  std::optional<Result> add_text(std::string_view text);
+  void add_statement(ScriptStatement statement);
 
   bool is_inside_ = false;
+  Block block_ = Block::kProgram;  ///< the innermost that is open
   std::size_t bytes_ = 0;
   ScriptProgram program_;
   std::string error_;

@@ -94,6 +94,7 @@ void TwinController::step(double dt_s) {
   }
   if (!is_stop && robot_mode_ == RobotMode::kRunning) {
     advance_program(dt_s);
+    advance_threads(dt_s);
   }
 }
 
@@ -193,13 +194,19 @@ void TwinController::release() {
 }
 
 void TwinController::stop_by_safety(SafetyMode mode) {
-  // A stop of a lesser kind does not take the place of an emergency stop.
-  if (is_emergency_stop(safety_mode_)) {
+  // A stop of a lesser kind does not take the place of a graver one.
+  const bool is_safeguard = mode == SafetyMode::kSafeguardStop;
+  if (is_emergency_stop(safety_mode_) ||
+      (safety_mode_ == SafetyMode::kProtectiveStop && is_safeguard)) {
     return;
   }
   safety_mode_ = mode;
   stopped_at_s_ = time_s_;
-  program_.reset();
+  if (is_safeguard) {
+    pause_program();
+  } else {
+    program_.reset();
+  }
   is_held_ = false;
   motion_.start_stop(kStopRadS2);
   tell(PrimaryMessage::Kind::kErrorCode, std::string(name_of(mode)));
@@ -207,6 +214,14 @@ void TwinController::stop_by_safety(SafetyMode mode) {
     constexpr double kPowerOffS = 0.5;
     powering_to_ = RobotMode::kPowerOff;
     powering_s_ = kPowerOffS;
+  }
+}
+
+/// The motion that is broken off is made again, from where the arm stands then, when the stop is
+/// reset: the program goes on by itself.
+void TwinController::pause_program() {
+  if (program_ && next_statement_ > 0 && motion_.is_moving()) {
+    --next_statement_;
   }
 }
 
@@ -282,6 +297,7 @@ void TwinController::run(const ScriptReader::Result& script) {
     motion_.start_stop(kReplacedRadS2);
   }
   program_ = script.program;
+  threads_.clear();
   next_statement_ = 0;
   sleep_s_ = 0.0;
 }
@@ -297,6 +313,17 @@ void TwinController::advance_program(double dt_s) {
     ++next_statement_;
     if (!execute(statement)) {
       return;
+    }
+  }
+}
+
+void TwinController::advance_threads(double dt_s) {
+  if (!program_) {
+    threads_.clear();
+  }
+  for (const ScriptStatement& statement : threads_.advance(dt_s)) {
+    if (program_ && !is_motion(statement)) {
+      execute(statement);
     }
   }
 }
@@ -345,6 +372,11 @@ bool TwinController::execute(const ScriptStatement& statement) {
     return write_register(statement);
   } else if (name == "set_digital_out" || name == "set_standard_digital_out") {
     return set_output(statement);
+  } else if (name == "kill") {
+    threads_.kill(statement);
+  } else if (name == "run" && (!program_ || !threads_.start(*program_, statement))) {
+    fail_program("run: no such thread");
+    return false;
   }
   return true;
 }

@@ -20,6 +20,7 @@
 #include "hardware/twin/robot/controller_outputs.h"
 #include "hardware/twin/robot/fault.h"
 #include "hardware/twin/robot/script_program.h"
+#include "hardware/twin/robot/script_threads.h"
 
 namespace glint {
 
@@ -114,8 +115,10 @@ class TwinController {
   void release();
   void end_program();
   void stop_by_safety(SafetyMode mode);
+  void pause_program();
   void advance_power(double dt_s);
   void advance_program(double dt_s);
+  void advance_threads(double dt_s);
   bool execute(const ScriptStatement& statement);
   bool execute_motion(const ScriptStatement& statement);
   bool write_register(const ScriptStatement& statement);
@@ -137,6 +140,7 @@ class TwinController {
   std::optional<ScriptProgram> program_;
   std::size_t next_statement_ = 0;
   double sleep_s_ = 0.0;
+  ScriptThreads threads_;  ///< of the program
   std::array<std::int32_t, 48> int_registers_ = {};
   std::array<double, 48> double_registers_ = {};
   std::array<std::int32_t, 48> int_inputs_ = {};

@@ -32,6 +32,7 @@ struct Script {
   int opened = 0;
   int closed = 0;
   int streams = 0;
+  std::vector<CameraConfiguration> configurations;
   std::vector<std::chrono::steady_clock::time_point> opens;  ///< tries, refused ones too
   Call hanging = Call::kNone;                                ///< does not come back
   std::condition_variable changed;
@@ -66,13 +67,20 @@ class ScriptedDriver final : public CameraDriver {
     script_->changed.notify_all();
   }
 
-  CameraDescription describe() override { return {.id = "scripted"}; }
+  CameraDescription describe() override {
+    return {.id = "scripted", .has_gain = true, .is_gain_in_db = true};
+  }
 
   DriverSettings configure(const CameraConfiguration& configuration) override {
     if (configuration.exposure_us < 10.0) {
       throw ConfigError("exposure_us", "is too short");
     }
-    return {.description = describe(), .exposure_us = configuration.exposure_us, .gain = 3.0};
+    const std::scoped_lock lock(script_->mutex);
+    script_->configurations.push_back(configuration);
+    return {.description = describe(),
+            .exposure_us = configuration.exposure_us,
+            .gain = configuration.gain_db.value_or(3.0),
+            .others = {{"BlackLevel", "12"}}};
   }
 
   void start() override {

@@ -142,6 +142,26 @@ TEST(SupervisedCamera, AbandonsACallThatDoesNotComeBack) {
   EXPECT_EQ(script->closed, 1);  // the first driver, on its own thread
 }
 
+// Without power a camera forgets what nobody but itself had told it.
+TEST(SupervisedCamera, RestoresWhatTheConfigurationLeftToTheCamera) {
+  const auto script = std::make_shared<Script>();
+  const auto camera = started(script);
+  for (int losses = 0; losses < 2; ++losses) {
+    script->steps = {Step::Kind::kNothing};
+    script->answers = false;
+    EXPECT_EQ(camera->capture().status, FrameStatus::kLost);
+    script->answers = true;
+    ASSERT_TRUE(camera->reopen(milliseconds(2000)));
+  }
+  ASSERT_EQ(script->configurations.size(), 3U);
+  EXPECT_FALSE(script->configurations[0].gain_db.has_value());
+  for (const std::size_t i : {1U, 2U}) {
+    EXPECT_EQ(script->configurations[i].gain_db, 3.0);
+    EXPECT_EQ(script->configurations[i].exposure_us, 1000.0);
+    EXPECT_EQ(script->configurations[i].restored, NamedFeatures({{"BlackLevel", "12"}}));
+  }
+}
+
 TEST(SupervisedCamera, GivesUpToReopenInTime) {
   const auto script = std::make_shared<Script>();
   const auto camera = started(script);

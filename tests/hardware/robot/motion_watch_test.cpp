@@ -45,7 +45,7 @@ struct WatchedMotion {
 
   UrSettings settings = test_robot(ArmModel::kUr3e);
   ArmWithTool arm;
-  ScriptAck ack = {.begun = 1, .ended = 2};
+  ScriptAck ack = {.begun = 1, .beat = 2, .ended = 3};
   JointVector goal_rad = test_start_rad() + JointVector{0.5, 0.0, 0.0, 0.0, 0.0, 0.0};
   MotionWatch watch{
       check_joint_motion(arm, test_start_rad(), goal_rad, 1.0), ack, arm, settings, 1.0, 0.0};
@@ -132,36 +132,51 @@ TEST(MotionWatch, StopsAnArmThatLeavesItsWay) {
   EXPECT_TRUE(motion.watch.must_stop());
 }
 
-// A slider at nought, one that is not known, and a paused program hold the arm without another
-// program; so does a start that is slow.
-TEST(MotionWatch, NamesAnotherProgramByAnArmThatStands) {
-  for (const int kind : {0, 1, 2, 3, 4, 5}) {
-    WatchedMotion motion;
-    for (int i = 0; i < 50; ++i) {
-      RobotState state = motion.package(0.1 + 0.008 * i, 0.0);
-      state.actual_qd_rad_s.setZero();
-      if (i == 0 && kind != 5) {
-        state.actual_qd_rad_s[0] = 0.1;
-      }
-      state.speed_scaling = kind == 1 ? 0.0 : 1.0;
-      state.slider = kind == 3 ? std::optional(0.01) : std::optional(1.0);
-      if (kind == 4) {
-        state.slider.reset();
-      }
-      state.runtime_state = kind == 2 ? RuntimeState::kPaused : RuntimeState::kPlaying;
-      motion.watch.on_package(state, state.timestamp_s);
+/// When another program is named, if packages of 8 ms hold these values of the register in turns.
+std::optional<double> other_program_s(const std::vector<std::int32_t>& acks,
+                                      RuntimeState runtime = RuntimeState::kPlaying,
+                                      double period_s = 0.008) {
+  WatchedMotion motion;
+  for (std::size_t i = 0; i < 100; ++i) {
+    RobotState state = motion.package(period_s * static_cast<double>(i), 0.0);
+    state.actual_qd_rad_s.setZero();
+    state.speed_scaling = 0.0;  // a slider at nought tells nothing
+    state.runtime_state = runtime;
+    state.ack = i == 0 ? motion.ack.begun : acks[i / 3 % acks.size()];
+    motion.watch.on_package(state, state.timestamp_s);
+    if (motion.watch.result()) {
+      EXPECT_EQ(motion.watch.result()->outcome, MotionOutcome::kProgramStopped);
+      EXPECT_THAT(motion.watch.result()->text, HasSubstr("another program"));
+      EXPECT_TRUE(motion.watch.is_other_program());
+      EXPECT_FALSE(motion.watch.must_stop()) << "it is left alone";
+      return state.timestamp_s;
     }
-    ASSERT_EQ(motion.watch.result().has_value(), kind == 0) << kind;
-    EXPECT_FALSE(motion.watch.must_stop());
   }
+  return std::nullopt;
+}
+
+// Wherever the arm stands: at its start, on its way, or at its goal after the program's last line.
+TEST(MotionWatch, NamesAnotherProgramWhenItsOwnNoLongerWritesTheRegister) {
+  EXPECT_LT(other_program_s({1}).value_or(9.0), 0.3);
+  EXPECT_LT(other_program_s({2}).value_or(9.0), 0.3);
+  EXPECT_LT(other_program_s({3}).value_or(9.0), 0.3);
+  EXPECT_LT(other_program_s({2, 17}).value_or(9.0), 0.03) << "what it does not write itself";
+  EXPECT_FALSE(other_program_s({1, 2}).has_value());
+  EXPECT_FALSE(other_program_s({1}, RuntimeState::kPaused).has_value());
+}
+
+// The clock of a twin may be faster than its packages.
+TEST(MotionWatch, CountsPackagesBesideTheClock) {
+  EXPECT_FALSE(other_program_s({1, 2}, RuntimeState::kPlaying, 0.3).has_value());
 }
 
 TEST(MotionWatch, AProgramThatRunsInsteadOfTheMotionIsLeftAlone) {
   WatchedMotion motion;
-  RobotState state = motion.package(0.1, 0.0);
-  state.ack = 0;
-  motion.watch.on_package(state, 0.1);
-  motion.watch.on_time(2.1);
+  for (double stamp_s = 0.1; stamp_s < 0.6 && !motion.watch.result(); stamp_s += 0.008) {
+    RobotState state = motion.package(stamp_s, 0.0);
+    state.ack = 0;
+    motion.watch.on_package(state, stamp_s);
+  }
   ASSERT_TRUE(motion.watch.result().has_value());
   EXPECT_EQ(motion.watch.result()->outcome, MotionOutcome::kProgramStopped);
   EXPECT_THAT(motion.watch.result()->text, HasSubstr("another program"));

@@ -14,11 +14,21 @@ TEST(MotionScript, FramesTheMotionByItsAcknowledgements) {
   motion.goal_rad = JointVector{0.5, -1.0, 1.25, 0.0, 0.0, 2.0};
   motion.speed = 0.25;
   motion.acceleration = 1.5;
-  EXPECT_EQ(motion_script(motion, 3, {.begun = 7, .ended = 8}),
+  EXPECT_EQ(motion_script(motion, 3, {.begun = 7, .beat = 8, .ended = 9}),
             "def glint_motion():\n"
+            "  thread glint_beat():\n"
+            "    while True:\n"
+            "      write_output_integer_register(3, 8)\n"
+            "      sleep(0.02)\n"
+            "      write_output_integer_register(3, 7)\n"
+            "      sleep(0.02)\n"
+            "    end\n"
+            "  end\n"
             "  write_output_integer_register(3, 7)\n"
+            "  glint_beats = run glint_beat()\n"
             "  movej([0.5, -1, 1.25, 0, 0, 2], a=1.5, v=0.25)\n"
-            "  write_output_integer_register(3, 8)\n"
+            "  kill glint_beats\n"
+            "  write_output_integer_register(3, 9)\n"
             "end\n");
 }
 
@@ -28,16 +38,16 @@ TEST(MotionScript, GivesLinesInMetres) {
   motion.base_from_tcp.translation() = Eigen::Vector3d(100.0, -200.0, 300.0);
   motion.speed = 250.0;
   motion.acceleration = 500.0;
-  EXPECT_THAT(motion_script(motion, 0, {.begun = 1, .ended = 2}),
+  EXPECT_THAT(motion_script(motion, 0, {.begun = 1, .beat = 2, .ended = 3}),
               testing::HasSubstr("movel(p[0.1, -0.2, 0.3, 0, 0, 0], a=0.5, v=0.25)"));
 }
 
 TEST(ScriptAck, DiffersFromWhatTheRegisterHeld) {
   for (const int held : {-5, 0, 1, 2, 77, 999997, 999998, 1000000, 2147483647}) {
     const ScriptAck ack = ScriptAck::after(held);
-    EXPECT_NE(ack.begun, held);
-    EXPECT_NE(ack.ended, held);
-    EXPECT_EQ(ack.ended, ack.begun + 1);
+    EXPECT_FALSE(ack.is_of_program(held));
+    EXPECT_EQ(ack.beat, ack.begun + 1);
+    EXPECT_EQ(ack.ended, ack.beat + 1);
     EXPECT_GT(ack.begun, 0);
     EXPECT_LE(ack.ended, 1000000);
   }

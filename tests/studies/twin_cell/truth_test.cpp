@@ -121,7 +121,7 @@ TEST(JointError, TakesTheFlangeWhereTheJacobianSays) {
   for (int i = 0; i < kDraws; ++i) {
     JointVector joints_rad = kJointsRad;
     joints_rad[5] += 1e-6 * i;  // another draw, the same place
-    const RigidTransform off = joint_error_of(truth, arm, joints_rad);
+    const RigidTransform off = joint_error_of(truth, arm, joints_rad, {});
     squares += (arm.forward(joints_rad).linear() * off.translation_mm).cwiseAbs2() / kDraws;
     EXPECT_FALSE(off.rotation.isApprox(none.rotation, 1e-12));
   }
@@ -135,13 +135,26 @@ TEST(JointError, TakesTheFlangeWhereTheJacobianSays) {
 TEST(JointError, IsTheSameAtTheSamePoseAndOfItsSeed) {
   const Arm arm(ArmModel::kUr3);
   TruthSettings truth;
-  EXPECT_EQ(joint_error_of(truth, arm, kJointsRad).translation_mm, Eigen::Vector3d::Zero());
+  EXPECT_EQ(joint_error_of(truth, arm, kJointsRad, {}).translation_mm, Eigen::Vector3d::Zero());
   truth = truth_of(std::string(kSmallTruth) + "joint_noise_deg = 0.01\n").settings;
-  const RigidTransform first = joint_error_of(truth, arm, kJointsRad);
+  const RigidTransform first = joint_error_of(truth, arm, kJointsRad, {});
   EXPECT_GT(first.translation_mm.norm(), 1e-4);
-  EXPECT_EQ(joint_error_of(truth, arm, kJointsRad).translation_mm, first.translation_mm);
+  EXPECT_EQ(joint_error_of(truth, arm, kJointsRad, {}).translation_mm, first.translation_mm);
   truth.seed = 2;
-  EXPECT_NE(joint_error_of(truth, arm, kJointsRad).translation_mm, first.translation_mm);
+  EXPECT_NE(joint_error_of(truth, arm, kJointsRad, {}).translation_mm, first.translation_mm);
+}
+
+TEST(JointError, IsAnotherUnderOtherLights) {
+  const Arm arm(ArmModel::kUr3);
+  TruthSettings truth;
+  truth.joint_noise_rad = 1e-4;
+  const auto off_mm = [&](const std::vector<std::string>& lights) {
+    return joint_error_of(truth, arm, kJointsRad, lights).translation_mm;
+  };
+  EXPECT_EQ(off_mm({"ring"}), off_mm({"ring"}));
+  EXPECT_EQ(off_mm({"ring", "bar"}), off_mm({"bar", "ring"}));
+  EXPECT_GT((off_mm({"ring"}) - off_mm({"bar"})).norm(), 1e-4);
+  EXPECT_GT((off_mm({"ring"}) - off_mm({"ring", "bar"})).norm(), 1e-4);
 }
 
 TEST(SceneFromCamera, FollowsTheErrorOfTheJoints) {

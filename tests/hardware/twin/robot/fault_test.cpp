@@ -49,7 +49,8 @@ TEST_P(FaultInMotion, IsTheRightResultWithinHalfASecondAndNothingMovesAfterIt) {
     const bool may_go_on = GetParam().outcome == kUnreachable;
     if (!may_go_on) {
       harness.twin.add_fault({.kind = FaultKind::kRelease});
-      harness.run(0.1);
+      const double moved_rad = harness.motion_rad(1.0);
+      EXPECT_TRUE(moved_rad == 0.0 || GetParam().fault == FaultKind::kCut) << "it was reset";
       EXPECT_EQ(harness.move(goal_rad())->outcome, GetParam().outcome) << "the stop is named again";
       EXPECT_EQ(harness.scripts().size(), sent);
     }
@@ -76,6 +77,51 @@ INSTANTIATE_TEST_SUITE_P(
     [](const testing::TestParamInfo<FaultCase>& one) {
       return std::string(kFaultNames.at(static_cast<std::size_t>(one.param.fault)));
     });
+
+// What becomes of an arm whose controller keeps the program: it goes on by itself.
+TEST(SafeguardStop, GoesOnWhenItIsResetUnlessTheProgramWasDropped) {
+  for (const bool is_dropped : {true, false}) {
+    TwinHarness harness;
+    harness.twin.add_fault(
+        {.kind = FaultKind::kSafeguardStop, .when = Fault::When::kMoving, .delay_s = 0.5});
+    if (!is_dropped) {
+      harness.leave_programs();
+    }
+    EXPECT_EQ(harness.move(goal_rad())->outcome, kSafeguardStop);
+    EXPECT_EQ(harness.driver.may_hold_program(), !is_dropped);
+    harness.run(0.5);
+    harness.twin.add_fault({.kind = FaultKind::kRelease});
+    const double moved_rad = harness.motion_rad(5.0);
+    EXPECT_EQ(moved_rad == 0.0, is_dropped) << moved_rad;
+    const double left_rad = (harness.twin.view().joints_rad - goal_rad()).norm();
+    EXPECT_EQ(left_rad < 1e-9, !is_dropped) << left_rad;
+  }
+}
+
+// Of programs that have ended, and of others' that run in their place, there is nothing to drop.
+TEST(Stops, LeaveProgramsAloneThatAreNotTheirOwn) {
+  for (const FaultKind fault :
+       {FaultKind::kOtherProgram, FaultKind::kEmergencyStop, FaultKind::kRemoteOff}) {
+    TwinHarness harness;
+    harness.leave_programs();
+    harness.twin.add_fault({.kind = fault, .when = Fault::When::kMoving, .delay_s = 0.5});
+    EXPECT_TRUE(harness.move(goal_rad()).has_value());
+    EXPECT_TRUE(harness.driver.halted().has_value());
+    EXPECT_FALSE(harness.driver.may_hold_program());
+  }
+}
+
+TEST(Stops, SayWhenTheControllerMayKeepItsProgram) {
+  TwinHarness harness;
+  harness.leave_programs();
+  harness.twin.add_fault(
+      {.kind = FaultKind::kSafeguardStop, .when = Fault::When::kMoving, .delay_s = 0.5});
+  harness.move(goal_rad());
+  ASSERT_TRUE(harness.driver.may_hold_program());
+  harness.driver.on_program_dropped("no answer");
+  EXPECT_THAT(harness.driver.result()->text, HasSubstr("end it at the pendant (no answer)"));
+  EXPECT_THAT(harness.move(goal_rad())->text, HasSubstr("end it at the pendant"));
+}
 
 struct RefusalCase {
   FaultKind fault;

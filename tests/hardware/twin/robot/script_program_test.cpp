@@ -34,6 +34,9 @@ TEST(ParseStatement, RefusesWhatItDoesNotKnow) {
                            "movep(p[0,0,0,0,0,0])",
                            "while True:",
                            "x = 3",
+                           "x = run 3()()",
+                           "run beat()",
+                           "kill",
                            "movej([1,2,3,4,5,6,7])",
                            "popup(1)",
                            "movej([nan,0,0,0,0,0])",
@@ -59,6 +62,53 @@ TEST(ScriptReader, CollectsProgramsAndSingleLines) {
   ASSERT_TRUE(line.has_value() && line->program.has_value());
   reader.add_line("sec light():");
   EXPECT_TRUE(reader.add_line("end")->program->is_secondary);
+}
+
+std::optional<ScriptReader::Result> read(std::initializer_list<const char*> lines) {
+  ScriptReader reader;
+  std::optional<ScriptReader::Result> result;
+  for (const char* line : lines) {
+    result = reader.add_line(line);
+  }
+  return result;
+}
+
+TEST(ScriptReader, CollectsThreads) {
+  const auto result = read({"def prog():",
+                            "  thread beat():",
+                            "    while True:",
+                            "      sleep(1)",
+                            "    end",
+                            "  end",
+                            "  thread once():",
+                            "    sleep(1)",
+                            "    sleep(2)",
+                            "  end",
+                            "  b = run beat()",
+                            "  kill b",
+                            "end"});
+  ASSERT_TRUE(result.has_value() && result->program.has_value());
+  const ScriptProgram& program = *result->program;
+  ASSERT_EQ(program.threads.size(), 2U);
+  EXPECT_TRUE(program.threads[0].is_loop);
+  EXPECT_EQ(program.threads[0].statements.size(), 1U);
+  EXPECT_EQ(program.threads[1].name, "once");
+  EXPECT_FALSE(program.threads[1].is_loop);
+  EXPECT_EQ(program.threads[1].statements.size(), 2U);
+  ASSERT_EQ(program.statements.size(), 2U);
+  EXPECT_EQ(program.statements[0].arguments[0].name, "beat");
+  EXPECT_EQ(program.statements[1].arguments[0].name, "b");
+}
+
+TEST(ScriptReader, RefusesBlocksWhereTheyMayNotStand) {
+  for (const auto& result :
+       {read({"def p():", "while True:", "end"}),
+        read({"def p():", "thread a():", "thread b():", "end", "end"}),
+        read({"def p():", "thread a():", "sleep(1)", "while True:", "end", "end"}),
+        read({"def p():", "thread a():", "while True:", "end", "sleep(1)", "end", "end"})}) {
+    ASSERT_TRUE(result.has_value());
+    EXPECT_NE(result->error, "");
+  }
 }
 
 TEST(ScriptReader, AProgramWithAnErrorIsDroppedAsAWhole) {

@@ -138,6 +138,7 @@ TEST(OtherProgram, ThatLetsTheArmStandIsLeftAlone) {
   harness.twin.add_fault(
       {.kind = FaultKind::kOtherProgram, .when = Fault::When::kMoving, .delay_s = 0.5});
   EXPECT_EQ(harness.move(far_rad())->outcome, kProgramStopped);
+  EXPECT_LT(harness.now_s() - harness.fault_at_s().value(), 0.5);
   harness.run(1.0);
   EXPECT_THAT(harness.scripts(), Not(HasSubstr("stopj")));
 }

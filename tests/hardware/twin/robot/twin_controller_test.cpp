@@ -20,6 +20,19 @@ void run(TwinController& twin, const std::string& line) {
   twin.run(*reader.add_line(line));
 }
 
+void run_program(TwinController& twin, std::initializer_list<const char*> lines) {
+  ScriptReader reader;
+  for (const char* line : lines) {
+    if (const auto result = reader.add_line(line)) {
+      twin.run(*result);
+    }
+  }
+}
+
+std::int32_t register_0(const TwinController& twin) {
+  return std::get<std::int32_t>(*twin.outputs().value_of("output_int_register_0"));
+}
+
 void step(TwinController& twin, double duration_s) {
   for (double t = 0.0; t < duration_s; t += 1.0 / twin.rate_hz()) {
     twin.step(1.0 / twin.rate_hz());
@@ -105,6 +118,73 @@ TEST(TwinController, HoldsEachMotionAtItsStartWhenToldTo) {
   step(twin, 0.1);
   EXPECT_TRUE(twin.view().is_still);
   EXPECT_FALSE(twin.is_program_running());
+}
+
+TEST(TwinController, AThreadRunsBesideItsProgramUntilThatEnds) {
+  TwinController twin(test_twin(ArmModel::kUr3));
+  run_program(twin,
+              {"def prog():",
+               "  thread beat():",
+               "    while True:",
+               "      write_output_integer_register(0, 1)",
+               "      sleep(0.05)",
+               "      write_output_integer_register(0, 2)",
+               "      sleep(0.05)",
+               "      movej([0, 0, 0, 0, 0, 0])",
+               "    end",
+               "  end",
+               "  b = run beat()",
+               "  sleep(1)",
+               "  kill b",
+               "  write_output_integer_register(0, 3)",
+               "  sleep(1)",
+               "  c = run beat()",
+               "  sleep(0.02)",
+               "end"});
+  int changes = 0;
+  for (std::int32_t last = 0; twin.view().time_s < 0.99; last = register_0(twin)) {
+    twin.step(0.008);
+    changes += register_0(twin) != last ? 1 : 0;
+  }
+  EXPECT_NEAR(changes, 18, 2);  // each sleep ends with the cycle after it
+  step(twin, 0.5);
+  EXPECT_EQ(register_0(twin), 3) << "killed";
+  step(twin, 1.0);
+  EXPECT_FALSE(twin.is_program_running());
+  EXPECT_EQ(register_0(twin), 1) << "ended with its program";
+  EXPECT_EQ(twin.view().joints_rad, test_start_rad()) << "a thread moves nothing";
+  run_program(twin, {"def prog():", "  b = run nothing()", "end"});
+  step(twin, 0.1);
+  EXPECT_THAT(twin.take_messages().back().text, HasSubstr("no such thread"));
+}
+
+// The motion that was broken off is made to its end, and what follows it after that.
+TEST(TwinController, ASafeguardStopPausesAProgramUntilItIsReset) {
+  for (const bool is_stopped : {false, true}) {
+    TwinController twin(test_twin(ArmModel::kUr3));
+    run_program(twin,
+                {"def prog():",
+                 "  movej([1, -1.7, 1.7, -1.5, -1.5, 0], a=1, v=0.5)",
+                 "  write_output_integer_register(0, 5)",
+                 "end"});
+    step(twin, 1.0);
+    twin.add_fault({.kind = FaultKind::kSafeguardStop});
+    step(twin, 1.0);
+    EXPECT_EQ(twin.reply("programState"), "PAUSED prog");
+    EXPECT_TRUE(twin.view().is_still);
+    const JointVector at_rad = twin.view().joints_rad;
+    step(twin, 1.0);
+    EXPECT_EQ(twin.view().joints_rad, at_rad);
+    if (is_stopped) {
+      EXPECT_EQ(twin.reply("stop"), "Stopped");
+      EXPECT_EQ(twin.reply("programState"), "STOPPED <unnamed>");
+    }
+    twin.add_fault({.kind = FaultKind::kRelease});
+    step(twin, 5.0);
+    EXPECT_EQ(twin.view().joints_rad == at_rad, is_stopped);
+    EXPECT_EQ(register_0(twin), is_stopped ? 0 : 5);
+    EXPECT_FALSE(twin.is_program_running());
+  }
 }
 
 TEST(TwinController, UnlocksAProtectiveStopAfterFiveSeconds) {

@@ -117,6 +117,10 @@ std::optional<MotionResult> TwinHarness::finish(const CheckedMotion& motion) {
   while (!driver.result() && now_s_ < until_s) {
     cycle();
   }
+  if (!leaves_programs_ && driver.may_hold_program()) {
+    twin.reply("stop");  // as drop_program() does over the network
+    driver.on_program_dropped("");
+  }
   return driver.result();
 }
 

@@ -48,6 +48,9 @@ class TwinHarness {
   /// When the newest fault came to act; none: none did.
   std::optional<double> fault_at_s() const { return fault_at_s_; }
 
+  /// Leaves the controller its programs after a stop, which the product never does.
+  void leave_programs() { leaves_programs_ = true; }
+
   /// Bytes that were sent as scripts.
   const std::string& scripts() const { return scripts_; }
 
@@ -67,6 +70,7 @@ class TwinHarness {
   ScriptReader reader_;
   std::string scripts_;
   double now_s_ = 0.0;
+  bool leaves_programs_ = false;
   bool is_split_ = false;
   bool is_linked_ = true;
   std::optional<double> fault_at_s_;

@@ -106,6 +106,68 @@ TEST(UrRobot, AMotionThatHasToBeStoppedStandsStillWhenTheRobotIsLetGo) {
   EXPECT_GT((at_rad - goal_rad).norm(), 0.1);
 }
 
+/// How far the arm goes in a second after the safeguard stop of its motion is reset on the side
+/// channel, and nobody is connected any more.
+double motion_after_reset(const TwinServer& server) {
+  EXPECT_EQ(ask_side_channel(server.side_channel(), "fault release"), "ok");
+  const JointVector at_rad = server.view().joints_rad;
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  return (server.view().joints_rad - at_rad).norm();
+}
+
+void wait_for_safeguard(const TwinServer& server) {
+  for (int i = 0; i < 500; ++i) {
+    const auto state = ask_side_channel(server.side_channel(), "state");
+    if (state && state->ends_with("SAFEGUARD_STOP") && server.view().is_still) {
+      return;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  FAIL() << "no safeguard stop";
+}
+
+TEST(SafeguardStop, InMotionMovesNothingWhenItIsResetAfterTheProductHasEnded) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  JointVector goal_rad = near_goal_rad();
+  goal_rad[0] += 1.5;
+  {
+    const UrSettings settings = settings_for(server, ArmModel::kUr3);
+    UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+    robot.allow_motion(MotionPermit::from_command_line(true, "test"));
+    ASSERT_EQ(ask_side_channel(server.side_channel(), "fault safeguard_stop moving 0.3"), "ok");
+    const MotionResult result = robot.move_joints(goal_rad, 1.0);
+    EXPECT_EQ(result.outcome, MotionOutcome::kSafeguardStop);
+    EXPECT_EQ(result.text, "safety mode SAFEGUARD_STOP");
+  }
+  wait_for_safeguard(server);
+  EXPECT_EQ(motion_after_reset(server), 0.0);
+}
+
+// The same motion by a client that leaves the controller its program.
+TEST(SafeguardStop, InMotionGoesOnForAClientThatDropsNoProgram) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  {
+    ASSERT_EQ(ask_side_channel(server.side_channel(), "fault safeguard_stop moving 0.3"), "ok");
+    TcpLink link("127.0.0.1", server.ports().primary, 2.0);
+    link.write("movej([1.5, -1.7, 1.7, -1.5, -1.5, 0], a=1, v=0.5)\n", 2.0);
+    wait_for_safeguard(server);
+  }
+  EXPECT_GT(motion_after_reset(server), 0.05);
+}
+
+TEST(UrRobot, SaysWhenTheProgramOfASafeguardStopCannotBeDropped) {
+  TwinServer server(on_free_ports(ArmModel::kUr3));
+  UrSettings settings = settings_for(server, ArmModel::kUr3);
+  settings.dashboard_port = 1;  // nobody listens there
+  UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+  robot.allow_motion(MotionPermit::from_command_line(true, "test"));
+  server.add_fault(
+      {.kind = FaultKind::kSafeguardStop, .when = Fault::When::kMoving, .delay_s = 0.2});
+  const MotionResult result = robot.move_joints(near_goal_rad(), 1.0);
+  EXPECT_EQ(result.outcome, MotionOutcome::kSafeguardStop);
+  EXPECT_THAT(result.text, HasSubstr("end it at the pendant (127.0.0.1:1: "));
+}
+
 TEST(UrRobot, StopsWithinATimeAfterAStopAndACut) {
   TwinServer server(on_free_ports(ArmModel::kUr3));
   const UrSettings settings = settings_for(server, ArmModel::kUr3);
@@ -157,6 +219,8 @@ TEST(UrRobot, FaultsOnTheWireBecomeTheRightResults) {
   const std::pair<FaultKind, MotionOutcome> cases[] = {
       {FaultKind::kProtectiveStop, MotionOutcome::kProtectiveStop},
       {FaultKind::kEmergencyStop, MotionOutcome::kEmergencyStop},
+      {FaultKind::kSafeguardStop, MotionOutcome::kSafeguardStop},
+      {FaultKind::kOtherProgram, MotionOutcome::kProgramStopped},
       {FaultKind::kSilence, MotionOutcome::kLost},
       {FaultKind::kCut, MotionOutcome::kLost},
       {FaultKind::kRestart, MotionOutcome::kLost},

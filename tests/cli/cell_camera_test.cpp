@@ -46,16 +46,20 @@ void expect_loopback_alone(const ServedTwins& twins) {
   EXPECT_EQ(listening, 5);
 }
 
-/// What reads pictures has nothing to say to a robot, though the cell has one.
+/// What reads pictures has nothing to say to a robot, though the cell has one. Features of the cell
+/// file reach the camera.
+/// @param mean_grey  of the picture without them
 void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
                                         const std::string& cell,
-                                        const std::string& camera_address) {
+                                        const std::string& camera_address,
+                                        double mean_grey) {
   const CountingPeer rtde;
   const CountingPeer primary;
   const CountingPeer secondary;
   const CountingPeer dashboard;
   write_file(folder / "counted.toml",
-             fmt::format("include = [\"{}\"]\n[camera]\naddress = \"{}\"\n[robot]\nrtde_port = {}\n"
+             fmt::format("include = [\"{}\"]\n[camera]\naddress = \"{}\"\n"
+                         "[camera.features]\nBlackLevel = 409.5\n[robot]\nrtde_port = {}\n"
                          "primary_port = {}\nsecondary_port = {}\ndashboard_port = {}\n",
                          cell,
                          camera_address,
@@ -69,7 +73,9 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
     is_listed = is_listed || (camera["address"] == camera_address && camera["twin"] == true);
   }
   EXPECT_TRUE(is_listed) << list;
-  EXPECT_EQ(json_of(folder, {"cell", "grab", "counted.toml", "--out", "counted"})["complete"], 1);
+  const json grabbed = json_of(folder, {"cell", "grab", "counted.toml", "--out", "counted"});
+  EXPECT_EQ(grabbed["complete"], 1);
+  EXPECT_NEAR(grabbed["frames"][0]["mean_grey"].get<double>(), mean_grey + 0.1, 0.02);
   for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
     EXPECT_EQ(peer->connections(), 0);
   }
@@ -83,7 +89,6 @@ TEST(CellCamera, IsListedGrabbedFromAndFollowsTheArm) {
                          "motion_speedup = 10\n[stage]\nhost = \"127.0.0.1\"\n",
                          kGallery.string()));
   const ServedTwins twins(folder, "both", cell);
-  expect_list_and_grab_call_no_robot(folder, cell, twins.of("camera")["address"]);
   expect_loopback_alone(twins);
   const json above = call(folder, {"cell", "grab", cell, "--count", "3", "--out", "above"});
   EXPECT_EQ(above["complete"], 3);
@@ -93,8 +98,11 @@ TEST(CellCamera, IsListedGrabbedFromAndFollowsTheArm) {
   };
   EXPECT_EQ(picture("above"), read_file(folder / "above/sequence/frame_002.png"));
   EXPECT_EQ(call(folder, {"cell", "move", cell, "--view", "left", "--move"})["outcome"], "done");
-  EXPECT_EQ(call(folder, {"cell", "grab", cell, "--out", "left"})["complete"], 1);
+  const json left = call(folder, {"cell", "grab", cell, "--out", "left"});
+  EXPECT_EQ(left["complete"], 1);
   EXPECT_NE(picture("above"), picture("left"));
+  expect_list_and_grab_call_no_robot(
+      folder, cell, twins.of("camera")["address"], left["frames"][0]["mean_grey"]);
 }
 
 TEST(CellCamera, AloneStandsAtTheFirstSafePosition) {

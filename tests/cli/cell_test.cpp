@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `glint cell`: what must not be sent, and the twin of a robot from beginning to end.
+#include <regex>
+#include <set>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -72,6 +75,23 @@ const std::vector<MovingVerb> kMovingVerbs = {
     {{"calibrate", "--cell", "cell.toml", "--part", "part.toml", "--camera", "camera"}},
     {{"run", "study.toml", "--cell", "cell.toml", "--out", "named/run", "--quiet"}, 0},
     {{"run", "in_cell.toml", "--out", "own/run", "--quiet"}, 0}};
+
+// What the shells complete: verbs with an option --move, and there are no others.
+TEST(CellSafety, EveryVerbThatTakesMoveHasARow) {
+  const TemporaryFolder folder;
+  const std::string options = glint_in(folder, {"help", "--completion", "fish"}).out;
+  const std::regex option("subcommand_from (\\w+)' -l move ");
+  std::set<std::string> verbs;
+  for (std::sregex_iterator match(options.begin(), options.end(), option), end; match != end;
+       ++match) {
+    verbs.insert((*match)[1]);
+  }
+  std::set<std::string> rows;
+  for (const MovingVerb& verb : kMovingVerbs) {
+    rows.insert(verb.arguments[0]);
+  }
+  EXPECT_EQ(verbs, rows);
+}
 
 /// The same with the cell named by the study.
 std::string study_in_cell() {

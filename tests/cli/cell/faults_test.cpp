@@ -26,8 +26,11 @@ using testing::HasSubstr;
 /// A twin whose side channel is asked and told.
 class FaultyTwin {
  public:
-  FaultyTwin() {
-    write_file(folder_ / "cell.toml", cell_text(30004, 30001, 30002, 29999));
+  /// @param speedup  of the arm's clock
+  explicit FaultyTwin(int speedup = 1) {
+    write_file(folder_ / "cell.toml",
+               cell_text(30004, 30001, 30002, 29999) +
+                   fmt::format("[twin]\nmotion_speedup = {}\n", speedup));
     twins_.emplace(folder_, "robot", "cell.toml");
   }
 
@@ -87,6 +90,41 @@ TEST(CellMove, NamesAStopAfterArrival) {
   EXPECT_EQ(told["outcome"], "protective_stop");
   EXPECT_THAT(told["text"].get<std::string>(), HasSubstr("PROTECTIVE_STOP"));
   EXPECT_EQ(told["still"], nullptr);
+}
+
+/// The joints, of the text of a state.
+std::string joints_of(const std::string& state) {
+  return state.substr(state.find('['), state.find(']') - state.find('['));
+}
+
+// A controller goes on with a program that a safeguard stop has paused when the stop is reset.
+TEST(CellMove, OfASafeguardStopEndsForGood) {
+  const FaultyTwin twin;
+  EXPECT_EQ(twin.tell("fault safeguard_stop moving 0.3"), "ok");
+  const ProgramResult result =
+      twin.run({"move", "--view", "left", "--move", "--speed_share", "0.05"});
+  EXPECT_EQ(result.code, 1) << result.err;
+  EXPECT_EQ(json::parse(result.out)["outcome"], "safeguard_stop");
+  EXPECT_EQ(twin.tell("fault release"), "ok");
+  twin.wait_for("NORMAL");
+  const std::string joints = joints_of(twin.tell("state"));
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  EXPECT_EQ(joints_of(twin.tell("state")), joints);
+}
+
+// 5 s of the controller's clock have to pass before, a quarter of a second of ours.
+TEST(CellUnlock, ReleasesAProtectiveStopThatIsFiveSecondsOld) {
+  const FaultyTwin twin(20);
+  EXPECT_EQ(twin.tell("fault protective_stop"), "ok");
+  twin.wait_for("PROTECTIVE_STOP");
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  EXPECT_THAT(twin.tell("state"), HasSubstr("PROTECTIVE_STOP")) << "nothing unlocks by itself";
+  EXPECT_EQ(twin.run({"unlock"}).code, 2);
+  EXPECT_THAT(twin.tell("state"), HasSubstr("PROTECTIVE_STOP"));
+  const ProgramResult result = twin.run({"unlock", "--move"});
+  EXPECT_EQ(result.code, 0) << result.out;
+  twin.wait_for("NORMAL");
+  EXPECT_EQ(twin.run({"unlock", "--move"}).code, 1) << "there is none any more";
 }
 
 TEST(CellWatch, TellsTheStateOfARobotThatIsStopped) {

@@ -137,7 +137,7 @@ std::optional<double> other_program_s(const std::vector<std::int32_t>& acks,
                                       RuntimeState runtime = RuntimeState::kPlaying,
                                       double period_s = 0.008) {
   WatchedMotion motion;
-  for (std::size_t i = 0; i < 100; ++i) {
+  for (std::size_t i = 0; period_s * static_cast<double>(i) < 3.0; ++i) {
     RobotState state = motion.package(period_s * static_cast<double>(i), 0.0);
     state.actual_qd_rad_s.setZero();
     state.speed_scaling = 0.0;  // a slider at nought tells nothing

@@ -11,15 +11,12 @@
 #include "studies/twin_cell/cell_pictures.h"
 #include "tests/studies/twin_cell/small_cell.h"
 
-#ifndef GLINT_NUM_POSES
-#define GLINT_NUM_POSES 8
-#endif
-
 namespace glint {
 namespace {
 
 constexpr std::chrono::milliseconds kRendering{60000};  ///< at most
-constexpr double kSpan_mm = 16.0;                       ///< the camera goes so far aside
+constexpr int kPoses = 50;
+constexpr double kSpan_mm = 16.0;  ///< the camera goes so far aside
 
 // Each is the picture that is rendered for its pose, and no other one's.
 TEST(PicturesOverTheWire, BelongToTheirPoses) {
@@ -35,8 +32,8 @@ TEST(PicturesOverTheWire, BelongToTheirPoses) {
   AravisCamera camera(ipv4_text(address));
   camera.configure({.exposure_us = 5000.0, .packet_size = 9000});
   camera.start();
-  for (int pose = 0; pose < GLINT_NUM_POSES; ++pose) {
-    const TwinCellState state = state_above(kSpan_mm * pose / GLINT_NUM_POSES, {"ring"});
+  for (int pose = 0; pose < kPoses; ++pose) {
+    const TwinCellState state = state_above(kSpan_mm * pose / kPoses, {"ring"});
     pictures.leave();
     pictures.announce(state);
     ASSERT_TRUE(pictures.wait_until_finished(kRendering));

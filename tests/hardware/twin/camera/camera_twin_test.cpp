@@ -135,6 +135,8 @@ TEST(CameraTwin, RefusesWhatIsOutOfRange) {
   EXPECT_THROW(camera.configure({.exposure_us = 5.0}), ConfigError);
   EXPECT_THROW(camera.configure({.gain_db = 25.0}), ConfigError);
   EXPECT_THROW(camera.configure({.features = {{"BlackLevel", "-1"}}}), ConfigError);
+  EXPECT_THROW(camera.configure({.features = {{"SensorWidth", "100"}}}), ConfigError)
+      << "nobody may set it";
   EXPECT_THROW(camera.configure({.packet_size = 70000}), ConfigError);
   camera.configure({.exposure_us = 10.0});
 }

@@ -242,6 +242,19 @@ TEST(Motion, CanBeStopped) {
   EXPECT_GT((harness.twin.view().joints_rad - goal_rad()).norm(), 0.05);
 }
 
+// Versions, outputs, start: no inputs, by which a client could move the slider or switch lights.
+TEST(Driver, AsksForNoInputs) {
+  TwinHarness harness;
+  EXPECT_TRUE(harness.move(goal_rad())->is_done());
+  FrameSplitter frames = FrameSplitter::of_rtde();
+  frames.append(harness.requests());
+  std::string kinds;
+  while (const auto frame = frames.next()) {
+    kinds += static_cast<char>(frame->kind);
+  }
+  EXPECT_EQ(kinds, "VvOS");
+}
+
 TEST(Driver, NeverMakesAScriptWithoutAPermit) {
   UrDriver driver(test_robot(ArmModel::kUr3e),
                   arm_with_tool(test_robot(ArmModel::kUr3e), test_limits()));

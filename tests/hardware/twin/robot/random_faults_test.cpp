@@ -48,6 +48,10 @@ std::string run_sequence(std::uint64_t seed) {
       const std::size_t sent = harness.scripts().size();
       EXPECT_TRUE(is_stop(harness.move(test_start_rad())->outcome));
       EXPECT_EQ(harness.scripts().size(), sent);
+      harness.twin.add_fault({.kind = FaultKind::kRelease});
+      if (!is_cut) {
+        EXPECT_EQ(harness.motion_rad(0.5), 0.0) << "seed " << seed << ", reset: " << outcomes;
+      }
       break;
     }
   }

@@ -53,7 +53,9 @@ void TwinHarness::pass_scripts() {
   const std::string script = driver.take_script_output();
   scripts_ += script;
   if (is_linked_) {
-    pass_to_driver(session_->on_bytes(driver.take_rtde_output()));
+    const std::string request = driver.take_rtde_output();
+    requests_ += request;
+    pass_to_driver(session_->on_bytes(request));
     LineSplitter lines;
     lines.append(script);
     while (const auto line = lines.next()) {

@@ -54,6 +54,9 @@ class TwinHarness {
   /// Bytes that were sent as scripts.
   const std::string& scripts() const { return scripts_; }
 
+  /// Bytes that were sent to RTDE.
+  const std::string& requests() const { return requests_; }
+
   TwinController twin;
   UrDriver driver;
 
@@ -69,6 +72,7 @@ class TwinHarness {
   std::unique_ptr<RtdeSession> session_;
   ScriptReader reader_;
   std::string scripts_;
+  std::string requests_;
   double now_s_ = 0.0;
   bool leaves_programs_ = false;
   bool is_split_ = false;

@@ -46,24 +46,27 @@ JointVector near_goal_rad() {
   return test_start_rad() + JointVector{0.3, 0.05, -0.1, 0.0, 0.1, 0.2};
 }
 
+void expect_moves_and_reads(ArmModel model) {
+  TwinServer server(on_free_ports(model));
+  const UrSettings settings = settings_for(server, model);
+  UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+  EXPECT_EQ(robot.rate_hz(), model == ArmModel::kUr3 ? 125.0 : 500.0);
+  EXPECT_EQ(robot.move_joints(near_goal_rad(), 1.0).outcome, MotionOutcome::kRefused);
+  EXPECT_EQ(server.num_command_bytes(), 0U) << "nothing is sent without a permit";
+  robot.allow_motion(MotionPermit::from_command_line(true, "test"));
+  const MotionResult result = robot.move_joints(near_goal_rad(), 1.0);
+  ASSERT_TRUE(result.is_done()) << result.text;
+  const auto pose = robot.still_pose(5.0);
+  ASSERT_TRUE(pose.has_value());
+  EXPECT_LT((pose->joints_rad - near_goal_rad()).norm(), 1e-6);
+  EXPECT_LT(robot.state()->age_s, 0.3);
+  EXPECT_TRUE(robot.stop().is_done());
+  EXPECT_THAT(server.inputs_written(), IsEmpty());
+}
+
 TEST(UrRobot, MovesATwinAndReadsWhereItStands) {
-  for (const ArmModel model : {ArmModel::kUr3, ArmModel::kUr3e}) {
-    TwinServer server(on_free_ports(model));
-    const UrSettings settings = settings_for(server, model);
-    UrRobot robot(settings, arm_with_tool(settings, test_limits()));
-    EXPECT_EQ(robot.rate_hz(), model == ArmModel::kUr3 ? 125.0 : 500.0);
-    EXPECT_EQ(robot.move_joints(near_goal_rad(), 1.0).outcome, MotionOutcome::kRefused);
-    EXPECT_EQ(server.num_command_bytes(), 0U) << "nothing is sent without a permit";
-    robot.allow_motion(MotionPermit::from_command_line(true, "test"));
-    const MotionResult result = robot.move_joints(near_goal_rad(), 1.0);
-    ASSERT_TRUE(result.is_done()) << result.text;
-    const auto pose = robot.still_pose(5.0);
-    ASSERT_TRUE(pose.has_value());
-    EXPECT_LT((pose->joints_rad - near_goal_rad()).norm(), 1e-6);
-    EXPECT_LT(robot.state()->age_s, 0.3);
-    EXPECT_TRUE(robot.stop().is_done());
-    EXPECT_THAT(server.inputs_written(), IsEmpty());
-  }
+  const std::jthread cb3(expect_moves_and_reads, ArmModel::kUr3);
+  const std::jthread e_series(expect_moves_and_reads, ArmModel::kUr3e);
 }
 
 // The slider of the pendant stays with the person in front of it.

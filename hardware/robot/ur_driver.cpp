@@ -258,8 +258,10 @@ void UrDriver::interrupt(double now_s) {
   }
 }
 
+/// What a controller that is stopped by safety says of its program is not relied on.
 bool UrDriver::may_hold_program() const {
-  const bool is_gone = has_begun_ && !lost_ && state_ && !state_->is_program_running();
+  const bool is_gone = has_begun_ && !lost_ && state_ && allows_motion(state_->safety_mode) &&
+                       !state_->is_program_running();
   return is_sent_ && halted_ && !is_gone;
 }
 

@@ -98,16 +98,30 @@ TEST(SafeguardStop, GoesOnWhenItIsResetUnlessTheProgramWasDropped) {
   }
 }
 
+/// The controller is told to drop its program after this fault in motion.
+bool is_program_dropped_after(FaultKind fault) {
+  TwinHarness harness;
+  harness.leave_programs();
+  harness.twin.add_fault({.kind = fault, .when = Fault::When::kMoving, .delay_s = 0.5});
+  EXPECT_TRUE(harness.move(goal_rad()).has_value());
+  EXPECT_TRUE(harness.driver.halted().has_value());
+  return harness.driver.may_hold_program();
+}
+
 // Of programs that have ended, and of others' that run in their place, there is nothing to drop.
-TEST(Stops, LeaveProgramsAloneThatAreNotTheirOwn) {
+TEST(Stops, DropTheProgramUnlessItIsKnownToBeGone) {
+  for (const FaultKind fault : {FaultKind::kProtectiveStop,
+                                FaultKind::kEmergencyStop,
+                                FaultKind::kSafeguardStop,
+                                FaultKind::kSilence,
+                                FaultKind::kOldStamps,
+                                FaultKind::kCut,
+                                FaultKind::kRestart}) {
+    EXPECT_TRUE(is_program_dropped_after(fault)) << static_cast<int>(fault);
+  }
   for (const FaultKind fault :
-       {FaultKind::kOtherProgram, FaultKind::kEmergencyStop, FaultKind::kRemoteOff}) {
-    TwinHarness harness;
-    harness.leave_programs();
-    harness.twin.add_fault({.kind = fault, .when = Fault::When::kMoving, .delay_s = 0.5});
-    EXPECT_TRUE(harness.move(goal_rad()).has_value());
-    EXPECT_TRUE(harness.driver.halted().has_value());
-    EXPECT_FALSE(harness.driver.may_hold_program());
+       {FaultKind::kOtherProgram, FaultKind::kRemoteOff, FaultKind::kOverspeed}) {
+    EXPECT_FALSE(is_program_dropped_after(fault)) << static_cast<int>(fault);
   }
 }
 

@@ -269,8 +269,9 @@ void UrDriver::on_program_dropped(const std::string& why) {
   is_sent_ = false;
   if (!why.empty() && result_) {
     result_->text += fmt::format(
-        "; the controller may go on with its program when the stop is reset: end it at the pendant "
-        "({})",
+        "; the controller may still have the program of the motion and go on with it: end it at "
+        "the "
+        "pendant ({})",
         why);
     halted_ = result_;
   }

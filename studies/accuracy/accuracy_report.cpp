@@ -37,7 +37,11 @@ Json settings_json(const RenderRung& rung) {
             {"rays_per_axis", rung.render.rays_per_axis}};
   }
   if (rung.is_noisy) {
-    return {{"samples", rung.paths.samples}, {"max_reflections", rung.paths.max_reflections}};
+    Json json = {{"samples", rung.paths.samples}, {"max_reflections", rung.paths.max_reflections}};
+    if (rung.pixel_factor > 1) {
+      json["resolution"] = "half";
+    }
+    return json;
   }
   return {{"method", std::string(method_name(rung.render.method))},
           {"max_direction_error_mrad", 1e3 * rung.render.max_direction_error_rad},
@@ -151,6 +155,17 @@ std::string work_text(const Json& work) {
       "accuracy the search would have taken {:.1f} times the work.",
       100.0 * work["checking"].get<double>() / search,
       work["full"].get<double>() / search);
+}
+
+std::string offsets_text(const RenderRung& rung) {
+  std::vector<std::string> parts;
+  for (const auto& [score, offset] : rung.offsets) {
+    parts.push_back(fmt::format("{} by {}", score, value_text(score, -offset)));
+  }
+  return fmt::format(
+      "Scores of half resolution are corrected by their mean error over the designs that were "
+      "tried: {}.",
+      join(parts, ", "));
 }
 
 Json rungs_table(const Json& accuracy) {
@@ -311,22 +326,29 @@ Json accuracy_json(const Study& study,
                     choice.num_alike));
   }
   why.push_back(work_text(work));
-  return {{"tolerance", tolerance_json(*study.accuracy)},
-          {"confidence", study.accuracy->confidence},
-          {"level", chosen.rung().level},
-          {"rung", chosen.rung().name},
-          {"settings", settings_json(chosen.rung())},
-          {"reached", choice.is_reached},
-          {"sentence", join(why, " ")},
-          {"why", why},
-          {"unreached", choice.unreached},
-          {"scores", scores_of_rung(choice.steps[choice.step], study.accuracy->is_auto)},
-          {"designs", chosen.designs},
-          {"failed", choice.num_failed},
-          {"alike", choice.num_alike},
-          {"rungs", rungs_json(chosen)},
-          {"work", work},
-          {"not_modelled", unmodelled}};
+  if (!chosen.rung().offsets.empty()) {
+    why.push_back(offsets_text(chosen.rung()));
+  }
+  Json json = {{"tolerance", tolerance_json(*study.accuracy)},
+               {"confidence", study.accuracy->confidence},
+               {"level", chosen.rung().level},
+               {"rung", chosen.rung().name},
+               {"settings", settings_json(chosen.rung())},
+               {"reached", choice.is_reached},
+               {"sentence", join(why, " ")},
+               {"why", why},
+               {"unreached", choice.unreached},
+               {"scores", scores_of_rung(choice.steps[choice.step], study.accuracy->is_auto)},
+               {"designs", chosen.designs},
+               {"failed", choice.num_failed},
+               {"alike", choice.num_alike},
+               {"rungs", rungs_json(chosen)},
+               {"work", work},
+               {"not_modelled", unmodelled}};
+  if (!chosen.rung().offsets.empty()) {
+    json["offsets"] = chosen.rung().offsets;
+  }
+  return json;
 }
 
 Json accuracy_panel(const Json& accuracy) {

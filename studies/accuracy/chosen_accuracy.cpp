@@ -219,7 +219,8 @@ LadderTask ladder_task(const Study& study,
                           .group = rung.group,
                           .is_for_search = rung.is_for_search,
                           .fineness = fineness_of(rung),
-                          .is_noisy = rung.is_noisy});
+                          .is_noisy = rung.is_noisy,
+                          .is_corrected = rung.pixel_factor > 1});
   }
   return task;
 }
@@ -252,6 +253,17 @@ LadderChoice choice_from(const LadderTask& task,
   return choice;
 }
 
+/// An outcome at a rung as the search takes it: the record has it without correction.
+Outcome as_searched(const Study& study,
+                    const RenderRung& rung,
+                    const Point& point,
+                    Outcome outcome) {
+  if (!rung.offsets.empty() && !outcome.is_failed) {
+    less_offsets(scene_with(study, overrides_of(study, point)), rung, outcome.scores);
+  }
+  return outcome;
+}
+
 /// @param first_step  of the search: those below are tried, and not taken
 /// @param begun       the rung of a search whose trial is over
 ChosenAccuracy tried(const AccuracyTask& task,
@@ -268,11 +280,15 @@ ChosenAccuracy tried(const AccuracyTask& task,
   chosen.choice = choice_from(ladder, evaluator, places);
   const std::size_t step = chosen.choice.step;
   const bool is_tried = chosen.choice.steps[step].is_tried;
+  for (std::size_t i = 0; i < chosen.ladder.size(); ++i) {
+    chosen.ladder[i].offsets = chosen.choice.steps[i].offsets;
+  }
   for (const std::size_t design : chosen.choice.designs) {
     const TriedDesign& candidate = evaluator.candidates()[design];
     chosen.designs.push_back(candidate.name);
     if (is_tried && candidate.point && !wants_derivatives(task.study)) {
-      chosen.known[*candidate.point] = evaluator.outcome(step, design);
+      chosen.known[*candidate.point] =
+          as_searched(task.study, chosen.rung(), *candidate.point, evaluator.outcome(step, design));
     }
   }
   return chosen;
@@ -346,13 +362,16 @@ std::optional<ChosenAccuracy> raise_accuracy(const AccuracyTask& task,
   }
   ChosenAccuracy raised;
   raised.ladder = before.ladder;
+  for (RenderRung& rung : raised.ladder) {
+    rung.offsets.clear();  // of the trial before
+  }
   raised.beyond = before.beyond;
   raised.beyond.insert(raised.beyond.begin(), beyond);
   raised = tried(task, record, std::move(raised), before.choice.step + 1);
   for (const Trial& trial : archived) {
     const Outcome* known = record.find(raised.rung().name, trial_name(trial.number));
     if (known != nullptr && !wants_derivatives(task.study)) {
-      raised.known[trial.point] = *known;
+      raised.known[trial.point] = as_searched(task.study, raised.rung(), trial.point, *known);
     }
   }
   return raised;
@@ -385,8 +404,9 @@ std::optional<RenderRung> rung_of_run(const Study& study, const std::filesystem:
   const std::string name = accuracy != result.end() && accuracy->is_object()
                                ? accuracy->value("rung", std::string())
                                : std::string();
-  for (const RenderRung& rung : ladder_of(study)) {
+  for (RenderRung& rung : ladder_of(study)) {
     if (rung.name == name) {
+      rung.offsets = accuracy->value("offsets", std::map<std::string, double>());
       return rung;
     }
   }

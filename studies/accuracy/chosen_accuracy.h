@@ -61,8 +61,9 @@ struct ChosenAccuracy {
 /// that [accuracy] names.
 WantedScores wanted_in_trial(const Study& study);
 
-/// A design of the study at a rung, as its search would evaluate it, without derivatives; as it
-/// comes back from a database. What cannot be evaluated is a failed outcome. @throws IoError
+/// A design of the study at a rung, as its search would evaluate it, but without derivatives and
+/// before less_offsets(); as it comes back from a database. What cannot be evaluated is a failed
+/// outcome. @throws IoError
 Outcome evaluate_at(SceneStore& store,
                     const Study& study,
                     const Overrides& overrides,

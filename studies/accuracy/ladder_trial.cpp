@@ -9,7 +9,9 @@
 
 #include "core/error.h"
 #include "metrics/statistics/error_bound.h"
+#include "optimizer/algorithm/merit.h"
 #include "studies/accuracy/search_figures.h"
+#include "studies/accuracy/unreached.h"
 
 namespace glint {
 namespace {
@@ -57,7 +59,7 @@ struct TopOffset {
 class LadderTrial {
  public:
   LadderTrial(const LadderTask& task, const EvaluateStep& evaluate)
-      : task_(task), evaluate_(evaluate), scores_(task.steps.size()) {
+      : task_(task), evaluate_(evaluate), scores_(task.steps.size()), offsets_(task.steps.size()) {
     choice_.steps.resize(task.steps.size());
     judged_ = names_of_goal(task.goal);
     if (!task.wish.is_auto) {
@@ -87,8 +89,9 @@ class LadderTrial {
     }
     leave_out_groups();
     climb();
+    find_second();
     if (!choice_.is_reached) {
-      tell_unreached();
+      choice_.unreached = unreached_texts(task_, choice_, task_.wish.is_auto && ranks_nothing());
     }
     return choice_;
   }
@@ -160,9 +163,31 @@ class LadderTrial {
         for (const std::optional<Scores>& scores : found) {
           scores_[step].push_back(*scores);
         }
+        if (task_.steps[step].is_corrected) {
+          correct(step);
+        }
       }
     }
     return !scores_[step].empty();
+  }
+
+  /// A control variate of coefficient 1: what the step's scores are off by on average is known from
+  /// the top's, and the bound is that of what is left.
+  void correct(std::size_t step) {
+    std::vector<std::string> names = names_of_goal(task_.goal);
+    names.insert(names.end(), judged_.begin(), judged_.end());
+    for (const std::string& name : names) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < scores_[step].size(); ++i) {
+        sum += scores_[step][i].at(name) - scores_[top()][i].at(name);
+      }
+      offsets_[step][name] = sum / static_cast<double>(scores_[step].size());
+    }
+    for (Scores& scores : scores_[step]) {
+      for (const auto& [name, offset] : offsets_[step]) {
+        scores.at(name) -= offset;
+      }
+    }
   }
 
   /// The dearest step that is at most half as fine as the top, of its group, and renders all
@@ -298,14 +323,15 @@ class LadderTrial {
                                     task_.steps.begin());
   }
 
-  /// Steps without noise are compared with the top alone: against few samples they would be blamed
-  /// for the noise of these.
+  /// Steps without noise, and corrected ones, are compared with the top alone: against few samples
+  /// they would be blamed for the noise of these.
   void leave_out_groups() {
     const int last = task_.steps.back().group;
     const std::size_t reference = first_of(last);
     std::vector<int> groups;
     for (const LadderStep& step : task_.steps) {
-      const bool is_comparable = step.group != last && step.is_noisy == task_.steps[top()].is_noisy;
+      const bool is_comparable =
+          step.group != last && !step.is_corrected && step.is_noisy == task_.steps[top()].is_noisy;
       if (is_comparable && std::ranges::find(groups, step.group) == groups.end()) {
         groups.push_back(step.group);
       }
@@ -336,6 +362,7 @@ class LadderTrial {
         evaluate_step(step);
         const std::string skipped = report.skipped;
         report = compared(step, top());
+        report.offsets = offsets_[step];
         report.skipped = scores_[step].empty() ? "cannot render every design" : skipped;
       }
       const bool is_allowed = report.skipped.empty() && task_.steps[step].is_for_search;
@@ -346,67 +373,33 @@ class LadderTrial {
     }
   }
 
-  void tell_unreached() {
-    for (std::size_t i = 0; !task_.wish.is_auto && i < judged_.size(); ++i) {
-      std::optional<std::size_t> best;
-      for (std::size_t step = 0; step < task_.steps.size(); ++step) {
-        const auto& bounds = choice_.steps[step].bounds;
-        const bool is_candidate = task_.steps[step].is_for_search && !bounds.empty();
-        if (is_candidate && (!best || bounds[i].bound < choice_.steps[*best].bounds[i].bound)) {
-          best = step;
-        }
-      }
-      if (best && choice_.steps[*best].bounds[i].bound > choice_.steps[*best].bounds[i].tolerance) {
-        choice_.unreached.push_back(
-            fmt::format("{}: {:.3g} is not reachable; \"{}\" reaches {:.3g}",
-                        judged_[i],
-                        choice_.steps[*best].bounds[i].tolerance,
-                        task_.steps[*best].name,
-                        choice_.steps[*best].bounds[i].bound));
+  void find_second() {
+    const LadderStep& taken = task_.steps[choice_.step];
+    for (std::size_t step = choice_.step + 1; step < task_.steps.size(); ++step) {
+      const LadderStep& dearer = task_.steps[step];
+      const bool is_fine = !taken.is_corrected || dearer.fineness >= taken.fineness;
+      if (dearer.group == task_.steps[top()].group && is_fine) {
+        choice_.second = step;
+        break;
       }
     }
-    if (task_.wish.is_auto) {
-      choice_.unreached.push_back(unranked_text());
-    } else if (choice_.unreached.empty()) {
-      tell_taken_bounds();
+    if (taken.is_corrected && choice_.second && evaluate_step(*choice_.second)) {
+      const std::string skipped = choice_.steps[*choice_.second].skipped;
+      choice_.steps[*choice_.second] = compared(*choice_.second, top());
+      choice_.steps[*choice_.second].skipped = skipped;
     }
   }
 
-  std::string unranked_text() const {
-    const std::string& name = task_.steps.back().name;
-    const bool shows_nothing =
-        std::ranges::any_of(orders_against(top(), top()),
-                            [](const OrderOf& order) { return order.agreement.pairs == 0; });
-    return shows_nothing ? fmt::format(
-                               "the designs of the trial differ by less than the noise of \"{}\", "
-                               "which ranks none of them; the dearest way that a search may use is "
-                               "taken",
-                               name)
-                         : fmt::format(
-                               "none of the ways to render that a search may use ranks the designs "
-                               "as \"{}\" does; the dearest of them is taken",
-                               name);
-  }
-
-  /// Each score is reached by some step, but no step reaches all of them.
-  void tell_taken_bounds() {
-    for (const ScoreBound& bound : choice_.steps[choice_.step].bounds) {
-      if (bound.bound > bound.tolerance) {
-        choice_.unreached.push_back(
-            fmt::format("{}: \"{}\", which is taken, reaches {:.3g} in place of {:.3g}; no way to "
-                        "render reaches all scores at once",
-                        bound.score,
-                        task_.steps[choice_.step].name,
-                        bound.bound,
-                        bound.tolerance));
-      }
-    }
+  bool ranks_nothing() const {
+    return std::ranges::any_of(orders_against(top(), top()),
+                               [](const OrderOf& order) { return order.agreement.pairs == 0; });
   }
 
   const LadderTask& task_;
   const EvaluateStep& evaluate_;
   std::vector<std::string> judged_;
   std::vector<std::vector<Scores>> scores_;  ///< [step][design]; empty: not tried, or not whole
+  std::vector<Scores> offsets_;              ///< [step]; of corrected steps
   std::optional<std::size_t> below_top_;     ///< step
   LadderChoice choice_;
 };

@@ -30,6 +30,8 @@ struct LadderStep {
   /// known.
   double fineness = 0.0;
   bool is_noisy = false;  ///< its errors are noise, which falls as 1 / sqrt(fineness)
+  /// Its scores are told less their mean errors against the top over the designs (half resolution).
+  bool is_corrected = false;
 };
 
 struct LadderTask {
@@ -82,10 +84,15 @@ struct StepReport {
   std::string skipped;             ///< why it was not tried
   std::vector<ScoreBound> bounds;  ///< of the scores wished for, else of objectives and limits
   std::vector<OrderOf> orders;     ///< of each objective
+  Scores offsets;                  ///< of a corrected step: the mean errors that were taken out
 };
 
 struct LadderChoice {
-  std::size_t step = 0;              ///< what the search is to use
+  std::size_t step = 0;  ///< what the search is to use
+  /// What the search is checked with while it goes on: the cheapest dearer step of the top's group;
+  /// beside a corrected step one that is at least as fine, whose errors are then known, too. Empty:
+  /// step is the top.
+  std::optional<std::size_t> second;
   bool is_reached = false;           ///< it serves; else the dearest that a search may use is taken
   std::string problem;               ///< why nothing could be judged; empty: it could
   std::vector<std::size_t> designs;  ///< candidates that could be evaluated at the top

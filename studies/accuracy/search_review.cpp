@@ -80,6 +80,21 @@ std::string raised_sentence(const CheckedDesign& design,
       to);
 }
 
+/// Of a rung's score against the top, over the designs of the trial, where the search's own scores
+/// are corrected by it, too: what is left of both is within the bound.
+double known_offset(const ChosenAccuracy& chosen,
+                    const RenderRung& rung,
+                    const std::string& score) {
+  if (chosen.rung().offsets.empty()) {
+    return 0.0;
+  }
+  const auto step = static_cast<std::size_t>(
+      std::ranges::find(chosen.ladder, rung.name, &RenderRung::name) - chosen.ladder.begin());
+  const std::vector<ScoreBound>& bounds = chosen.choice.steps[step].bounds;
+  const auto found = std::ranges::find(bounds, score, &ScoreBound::score);
+  return found != bounds.end() ? found->bias : 0.0;
+}
+
 }  // namespace
 
 CheckedDesign compared(const ChosenAccuracy& chosen,
@@ -101,7 +116,8 @@ CheckedDesign compared(const ChosenAccuracy& chosen,
       continue;  // it cannot be evaluated there, which says nothing of the error
     }
     const double allowed = bound_of(bound, scores);
-    if (std::abs(cheap->second - dear->second) > allowed) {
+    const double dearer_score = dear->second - known_offset(chosen, rung, bound.score);
+    if (std::abs(cheap->second - dearer_score) > allowed) {
       checked.beyond.push_back(bound.score);
     }
     if (allowed > bound.bound) {
@@ -115,12 +131,8 @@ const RenderRung* second_rung(const ChosenAccuracy& chosen) {
   if (!chosen.choice.problem.empty()) {
     return nullptr;
   }
-  for (std::size_t step = chosen.choice.step + 1; step < chosen.ladder.size(); ++step) {
-    if (chosen.ladder[step].group == chosen.top().group) {
-      return &chosen.ladder[step];
-    }
-  }
-  return nullptr;
+  const std::optional<std::size_t> second = chosen.choice.second;
+  return second && *second > chosen.choice.step ? &chosen.ladder[*second] : nullptr;
 }
 
 SearchReview::SearchReview(const AccuracyTask& task, AccuracyRecord& record, ChosenAccuracy& chosen)
@@ -199,8 +211,11 @@ std::optional<Event> SearchReview::raise(std::span<const Trial> told) {
     return std::nullopt;
   }
   const std::string old = chosen_.rung().name;
-  for (const Trial& one : told) {  // their outcomes are withdrawn from the search
-    record_.keep(old, trial_name(one.number), one.point, *one.outcome);
+  // Their outcomes are withdrawn from the search; those that were corrected by the trial of this
+  // epoch are no others' business.
+  const std::string kept_as = chosen_.rung().offsets.empty() ? old : old + ", corrected";
+  for (const Trial& one : told) {
+    record_.keep(kept_as, trial_name(one.number), one.point, *one.outcome);
   }
   const double search_work = chosen_.rung().work * static_cast<double>(told.size());
   ended_.push_back({.trial = design.trial,

@@ -46,8 +46,8 @@ CheckedDesign compared(const ChosenAccuracy& chosen,
                        const RenderRung& rung,
                        const Outcome& dearer);
 
-/// What a search's rung is checked with while the search goes on: the cheapest dearer one with all
-/// reflections. nullptr: it is the top, or nothing could be judged.
+/// What a search's rung is checked with while the search goes on: LadderChoice::second. nullptr: it
+/// is the top, or nothing could be judged.
 const RenderRung* second_rung(const ChosenAccuracy& chosen);
 
 /// Decides from told trials and recorded checks alone: the same for any number of threads and jobs,

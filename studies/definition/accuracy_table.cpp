@@ -17,6 +17,7 @@ namespace {
 
 constexpr const char* kTable = "accuracy";
 constexpr double kHundredth = 0.01;
+constexpr const char* kResolution = "camera.width_px";
 constexpr std::string_view kAllowedTolerance =
     "a number > 0 in the score's own unit, \"2 %\" of its value, or \"0.1 points\" (hundredths)";
 
@@ -106,23 +107,31 @@ void visit_confidence(KeyVisitor& keys, AccuracySettings& settings) {
               "with which the bounds hold, and the share of designs that they hold for");
 }
 
+/// What `keep` may name.
+std::vector<std::string> keepable() {
+  std::vector<std::string> keys = ladder_keys();
+  keys.emplace_back(kResolution);
+  return keys;
+}
+
 /// The keys of `keep`; nothing without it.
 std::optional<std::vector<std::string>> read_keep(const ConfigNode* node,
                                                   std::vector<Problem>& errors) {
   if (node == nullptr) {
     return std::nullopt;
   }
+  const std::vector<std::string> known = keepable();
   std::vector<std::string> keys;
   for (const ConfigNode& item : node->items) {
-    const bool is_known = item.kind == ConfigNode::Kind::kText &&
-                          std::ranges::find(ladder_keys(), item.text) != ladder_keys().end();
+    const bool is_known =
+        item.kind == ConfigNode::Kind::kText && std::ranges::find(known, item.text) != known.end();
     if (!is_known || !node->is_array()) {
       errors.push_back({.kind = Problem::Kind::kOutOfRange,
                         .place = item.place,
                         .key = "accuracy.keep",
                         .text = fmt::format("{} is none of the keys that are chosen: \"{}\"",
                                             shown(item),
-                                            fmt::join(ladder_keys(), "\", \""))});
+                                            fmt::join(known, "\", \""))});
       continue;
     }
     keys.push_back(item.text);
@@ -215,6 +224,9 @@ std::vector<std::string> names_of(const KeptKeys& kept) {
       names.push_back(ladder_keys()[i]);
     }
   }
+  if (kept.resolution) {
+    names.emplace_back(kResolution);
+  }
   return names;
 }
 
@@ -299,10 +311,10 @@ std::vector<KeyRow> accuracy_keys() {
   visit_confidence(lister, settings);
   rows.push_back({.path = "accuracy.keep",
                   .kind = "texts",
-                  .allowed = fmt::format("of \"{}\"", fmt::join(ladder_keys(), "\", \"")),
+                  .allowed = fmt::format("of \"{}\"", fmt::join(keepable(), "\", \"")),
                   .default_text = "those that the file gives",
                   .doc = "keys of [render] that stay as they are; render.paths.samples is then the "
-                         "most that a search takes"});
+                         "most that a search takes; camera.width_px: no half resolution"});
   return rows;
 }
 
@@ -313,11 +325,14 @@ KeptKeys kept_keys(const ConfigNode& root) {
   if (!keys) {
     return keys_in_file(root);
   }
-  const auto has = [&](std::size_t key) {
-    return std::ranges::find(*keys, ladder_keys()[key]) != keys->end();
+  const auto has = [&](const std::string& key) {
+    return std::ranges::find(*keys, key) != keys->end();
   };
-  return {
-      .method = has(0), .rays_per_axis = has(1), .max_direction_error = has(2), .samples = has(3)};
+  return {.method = has(ladder_keys()[0]),
+          .rays_per_axis = has(ladder_keys()[1]),
+          .max_direction_error = has(ladder_keys()[2]),
+          .samples = has(ladder_keys()[3]),
+          .resolution = has(kResolution)};
 }
 
 std::string wish_text(const ScoreWish& wish) {

@@ -6,7 +6,8 @@
 //   as
 //               [constraints] and result.json have it; "2 %" of its value; "0.1 points": hundredths
 //   confidence  of the bounds, in [0.5, 1)
-//   keep        keys of [render] that stay as they are; without it those that the file gives
+//   keep        keys of [render] that stay as they are; without it those that the file gives;
+//               "camera.width_px": no rung renders fewer pixels than the camera has
 #pragma once
 
 #include <optional>
@@ -24,11 +25,12 @@ struct KeptKeys {
   bool rays_per_axis = false;        ///< render.rays_per_axis
   bool max_direction_error = false;  ///< render.max_direction_error_mrad
   bool samples = false;              ///< render.paths.samples: no rung of a search has more
+  bool resolution = false;           ///< camera.width_px, where it is named: every file gives it
 
   bool operator==(const KeptKeys&) const = default;
 };
 
-/// Paths of the keys that KeptKeys knows, in its order.
+/// Paths of the keys of [render] that KeptKeys knows, in its order.
 const std::vector<std::string>& ladder_keys();
 
 /// Those of ladder_keys() that a file gives. @param root  as written

@@ -174,13 +174,16 @@ class BandedEvaluation {
       best.add(grey, flawless_[i]);
     }
     const ImageF aspect = sums.aspect();
-    result_.h_rms =
-        homogeneity(aspect, sums.clipped_frames, sums.frames, result_.region, scene_.metrics).h_rms;
+    const Homogeneity even =
+        homogeneity(aspect, sums.clipped_frames, sums.frames, result_.region, scene_.metrics);
+    result_.h_rms = even.h_rms;
     result_.defects = defect_scores(aspect, defects_, kSigmaFloor, scene_.metrics);
     for (std::size_t i = 0; i < result_.defects.size(); ++i) {
       result_.defects[i].best_frame = best.best()[i].difference;
       result_.defects[i].change = best.best()[i].change;
     }
+    add_scores(result_.scores, even);
+    add_scores(result_.scores, std::span<const DefectScores>(result_.defects));
   }
 
   const BuiltDefects& part_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "metrics/aspect_image/defect_scores.h"
+#include "metrics/scores.h"
 #include "studies/imaging/traced_scene.h"
 
 namespace glint {
@@ -40,7 +41,8 @@ BandedScan scan_in_bands(const BuiltPart& built,
 /// What a scan scores, as evaluate() has it.
 struct ScoredScan {
   double h_rms = 0.0;
-  Mask region;  ///< of interest for homogeneity
+  Scores scores;  ///< all that this one and evaluate() both have
+  Mask region;    ///< of interest for homogeneity
   std::vector<DefectScores> defects;
   double cpu_s = 0.0;       ///< warm: rays kept, one thread
   double cold_cpu_s = 0.0;  ///< the same and tracing, all threads

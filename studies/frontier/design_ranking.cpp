@@ -7,6 +7,7 @@
 
 #include "core/cpu_clock.h"
 #include "optimizer/algorithm/sobol.h"
+#include "studies/definition/ladder/larger_pixels.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/frontier_methods.h"
 

@@ -172,6 +172,7 @@ class Measuring {
     FrontierReference& reference = frontier_.reference;
     reference.method = point.method;
     reference.h_rms = scored.h_rms;
+    keep_scores(scored.scores);
     for (const DefectScores& defect : scored.defects) {
       reference.weber[defect.label] = defect.weber;
       reference.change[defect.label] = defect.change;
@@ -231,6 +232,7 @@ class Measuring {
     }
     errors.store(point);
     set_score_errors(point, scored.h_rms, scored.defects);
+    set_errors_of_all(point, scored.scores);
   }
 
   static void set_plain_form(FrontierPoint& point, const SceneSettings& scene) {
@@ -255,6 +257,7 @@ class Measuring {
     point.form = form_name(evaluation.form.kind);
     point.frame_pixels = evaluation.form.frame_pixels;
     set_score_errors(point, evaluation.scores.at("homogeneity.h_rms"), evaluation.defects);
+    set_errors_of_all(point, evaluation.scores);
     if (point.method.has_frames) {
       FrameErrors errors(frames_, gain_);
       evaluate(store, linear(scene, gain_), [&](int index, const ImageF& grey) {
@@ -274,6 +277,25 @@ class Measuring {
               relative_percent(defect.weber, frontier_.reference.weber.at(defect.label)),
           .change_percent =
               relative_percent(defect.change, frontier_.reference.change.at(defect.label))};
+    }
+  }
+
+  /// Of the reference; which frames show a defect in parts is not put together in bands.
+  void keep_scores(const Scores& scores) {
+    for (const auto& [name, value] : scores) {
+      if (std::isfinite(value) && !name.ends_with("union")) {
+        frontier_.reference.scores[name] = {.value = value};
+      }
+    }
+  }
+
+  void set_errors_of_all(FrontierPoint& point, const Scores& scores) const {
+    for (const auto& [name, right] : frontier_.reference.scores) {
+      const auto found = scores.find(name);
+      if (found != scores.end() && std::isfinite(found->second)) {
+        point.scores[name] = {.value = found->second,
+                              .error = std::abs(found->second - right.value)};
+      }
     }
   }
 

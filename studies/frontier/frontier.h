@@ -34,7 +34,7 @@ struct FrontierReference {
   /// How wrong the reference's own frames are, extrapolated from 16 and 64 rays a pixel, or by the
   /// scatter of its pictures.
   std::optional<double> own_frame_rmse;
-  std::map<std::string, ReferenceScore> scores;  ///< of paths
+  std::map<std::string, ReferenceScore> scores;  ///< standard errors are those of paths
 };
 
 /// How a method orders designs, against the finest one that was tried.

@@ -52,6 +52,9 @@ constexpr std::array kLooks = {
 /// The ring around the setting that the scene has now.
 constexpr Look kCurrentLook = {.colour = "#c23b22"};
 
+/// The ring around what the program would take by itself of path-traced rungs.
+constexpr Look kChosenLook = {.colour = "#1b7f3b"};
+
 /// Points that stand together in the legend.
 struct Family {
   std::string name;
@@ -163,6 +166,9 @@ class Chart {
     for (const FrontierPoint& point : frontier_.points) {  // over the white rims of the letters
       if (const auto value = value_of(point, frontier_)) {
         marker(scale_.place(*value), family_of(point, frontier_).look, point.method.is_choice);
+        if (point.is_chosen) {
+          marker(scale_.place(*value), kChosenLook, true);
+        }
         if (point.method.is_current) {
           marker(scale_.place(*value), kCurrentLook, true);
         }
@@ -301,6 +307,9 @@ class Chart {
     });
     if (has_current) {
       legend_entry(known.size(), {"the scene's own setting", kCurrentLook}, true);
+    }
+    if (std::ranges::any_of(frontier_.points, &FrontierPoint::is_chosen)) {
+      legend_entry(known.size() + 1, {"the automatic choice", kChosenLook}, true);
     }
   }
 

@@ -47,9 +47,10 @@ struct FrontierPoint {
   std::optional<double> smooth_frame_rmse;
   double h_error_points = 0.0;  ///< of homogeneity.h_rms, in hundredths
   std::map<std::string, DefectErrors> defects;
-  std::map<std::string, ScoreError> scores;  ///< all that the reference has too; of paths
+  std::map<std::string, ScoreError> scores;  ///< all that the reference has too
   std::vector<std::string> on_front;         ///< names of the errors that nothing cheaper undercuts
   bool is_reference = false;                 ///< its errors are 0 by definition
+  bool is_chosen = false;                    ///< of paths: mark_choice()
   std::string problem;                       ///< why it could not be measured; empty: it was
 
   /// The worst error of any defect; absent without defects.

@@ -20,10 +20,6 @@ SceneSettings scene_of(const FrontierPoint& point, SceneSettings scene);
 /// The sensor without its noise and rounding: what no method of rendering can change.
 SceneSettings noiseless(SceneSettings scene);
 
-/// The scene with pixels `factor` times as large along both sides, and as many fewer. @param factor
-/// >= 1
-SceneSettings with_larger_pixels(SceneSettings scene, int factor);
-
 /// The smallest whole factor by which a picture has at most so many pixels.
 int pixel_factor(const CameraSettings& camera, double most_pixels);
 

@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
+#include "studies/definition/ladder/larger_pixels.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/design_ranking.h"
+#include "studies/frontier/frontier_choice.h"
 #include "studies/frontier/frontier_drawing.h"
 #include "studies/frontier/frontier_errors.h"
 #include "studies/frontier/frontier_folder.h"
@@ -69,7 +71,7 @@ Json point_json(const FrontierPoint& point) {
         {"value", score.value}, {"error", score.error}, {"spread", score.spread}};
   }
   json["on_front"] = point.on_front;
-  json["is_choice"] = method.is_choice;
+  json["is_choice"] = method.is_choice || point.is_chosen;
   json["is_current"] = method.is_current;
   json["is_reference"] = point.is_reference;
   return json;
@@ -93,7 +95,10 @@ Json reference_json(const FrontierReference& reference) {
     json["pooled_samples"] = reference.pictures * reference.method.paths.samples;
   }
   for (const auto& [name, score] : reference.scores) {
-    json["scores"][name] = {{"value", score.value}, {"standard_error", score.standard_error}};
+    json["scores"][name] = {
+        {"value", score.value},
+        {"standard_error",
+         reference.method.follows_paths ? Json(score.standard_error) : Json(nullptr)}};
   }
   return json;
 }
@@ -163,6 +168,7 @@ Json measure(const Study& study, const FrontierRun& run, Frontier& frontier) {
                                     {.threads = run.threads,
                                      .budget_s = std::max(0.0, run.budget_s - taken_s),
                                      .on_progress = show_designs});
+    mark_choice(frontier);
   } catch (const ConfigError& error) {
     throw with_place(study.root, error);
   }
@@ -264,10 +270,11 @@ std::string path_sentence(const Frontier& frontier) {
       own->cpu_s,
       *own->frame_rmse,
       own->h_error_points);
-  return cheaper == nullptr
-             ? sentence + "; nothing cheaper is as exact."
-             : fmt::format(
-                   "{}; {} is no worse at {:.3g} s.", sentence, cheaper->label, cheaper->cpu_s);
+  return (cheaper == nullptr
+              ? sentence + "; nothing cheaper is as exact."
+              : fmt::format(
+                    "{}; {} is no worse at {:.3g} s.", sentence, cheaper->label, cheaper->cpu_s)) +
+         " " + choice_sentence(frontier);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/cpu_clock.h"
+#include "studies/definition/ladder/larger_pixels.h"
 #include "studies/definition/ladder/render_ladder.h"
 #include "studies/definition/render_methods.h"
 #include "studies/evaluation/evaluation.h"

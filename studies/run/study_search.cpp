@@ -203,13 +203,14 @@ Outcome evaluate_candidate(SceneStore& store,
   if (!file.empty() && !std::filesystem::exists(file)) {
     throw IoError(file.string() + ": has gone while the study was running");
   }
-  SceneSettings scene = scene_with(study, overrides_of(study, point));
-  if (rung != nullptr) {
-    scene = searched_scene(store, scene, *rung);
-  }
+  const SceneSettings own = scene_with(study, overrides_of(study, point));
+  const SceneSettings scene = rung != nullptr ? searched_scene(store, own, *rung) : own;
   Evaluation found = evaluate(store, scene, {}, wanted_in_search(study));
   Outcome outcome;
   outcome.scores = std::move(found.scores);
+  if (rung != nullptr) {
+    less_offsets(own, *rung, outcome.scores);
+  }
   outcome.gradients = std::move(found.gradients.by_score);
   outcome.remarks = std::move(found.gradients.remarks);
   return outcome;

@@ -174,11 +174,12 @@ Outcome BuiltDesigns::outcome_of(const Point& point) const {
         move_key(study_, tolerances_[i].key, offset, overrides);
       }
     }
-    SceneSettings scene = scene_with(study_, overrides);
-    if (rung_) {
-      scene = searched_scene(store_, scene, *rung_);
-    }
+    const SceneSettings own = scene_with(study_, overrides);
+    const SceneSettings scene = rung_ ? searched_scene(store_, own, *rung_) : own;
     outcome.scores = evaluate(store_, scene, {}, wanted_by(study_.goal)).scores;
+    if (rung_) {
+      less_offsets(own, *rung_, outcome.scores);
+    }
   } catch (const IoError&) {
     throw;  // says nothing about the design
   } catch (const Error& error) {

@@ -379,5 +379,58 @@ TEST(TryLadder, KeepsItsPromiseForDesignsThatWereNotTried) {
   EXPECT_LE(beyond, taken / 100);
 }
 
+/// Steps "half" (off by 3 and +-0.1), "8" (noise +-1, off by -0.4) and "32" below a top of 64.
+FakeLadder ladder_with_half(double tolerance) {
+  FakeLadder ladder;
+  ladder.task.goal.objective = {.name = kScore, .is_maximised = true};
+  ladder.task.wish.wishes = {{.score = kScore, .tolerance = tolerance}};
+  ladder.add("half", 1.0, -1, alternating(0.1, 3.0));
+  ladder.add("8", 2.0, 0, alternating(1.0, -0.4));
+  ladder.add("32", 8.0, 0, alternating(0.05, -0.2));
+  ladder.add("top", 16.0, 0, none);
+  const std::vector<double> fineness = {16.0, 8.0, 32.0, 64.0};
+  for (std::size_t i = 0; i < fineness.size(); ++i) {
+    ladder.task.steps[i].fineness = fineness[i];
+    ladder.task.steps[i].is_noisy = true;
+  }
+  ladder.task.steps[0].is_corrected = true;
+  return ladder;
+}
+
+// From 32 to 64 samples 0.2 are gained, so that the top may be off by
+// 0.2 sqrt(32) / (8 - sqrt(32)) = 0.483. What is left of half resolution beside it is 3.2326 times
+// the spread of 0.1 sqrt(12 / 11) and what the steps of +-0.05 come to.
+TEST(TryLadder, ACorrectedStepHasNoBiasLeft) {
+  FakeLadder ladder = ladder_with_half(1.2);
+  const LadderChoice choice = ladder.choose();
+  EXPECT_EQ(choice.step, 0U);
+  ASSERT_TRUE(choice.is_reached);
+  EXPECT_NEAR(choice.steps[0].offsets.at(kScore), 3.0, 1e-12);
+  const ScoreBound& bound = choice.steps[0].bounds[0];
+  EXPECT_NEAR(bound.bias, 0.0, 1e-12);
+  EXPECT_NEAR(bound.spread, 0.10445, 1e-5);
+  EXPECT_GT(bound.bound, 0.483 + 3.2326 * 0.10445);
+  EXPECT_LT(bound.bound, 1.2);
+}
+
+TEST(TryLadder, ACorrectedStepIsCheckedByOneThatIsAsFine) {
+  FakeLadder ladder = ladder_with_half(1.2);
+  const LadderChoice choice = ladder.choose();
+  ASSERT_TRUE(choice.second.has_value());
+  EXPECT_EQ(*choice.second, 2U) << "not by 8 samples, which are off by more than it";
+  ASSERT_EQ(choice.steps[2].bounds.size(), 1U);
+  EXPECT_NEAR(choice.steps[2].bounds[0].bias, -0.2, 1e-12);
+  EXPECT_EQ(ladder.evaluations[1], 0);
+}
+
+TEST(TryLadder, ACorrectedStepIsTakenOnlyWhereItServes) {
+  FakeLadder ladder = ladder_with_half(1.2);
+  ladder.errors[0] = alternating(0.5, 3.0);  // 3.2326 of them are beyond 1.2
+  const LadderChoice choice = ladder.choose();
+  EXPECT_NE(choice.step, 0U);
+  EXPECT_FALSE(choice.steps[0].serves);
+  EXPECT_TRUE(choice.steps[0].skipped.empty());
+}
+
 }  // namespace
 }  // namespace glint

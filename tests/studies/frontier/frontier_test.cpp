@@ -11,6 +11,7 @@
 
 #include "core/config/toml.h"
 #include "core/rng.h"
+#include "studies/definition/ladder/larger_pixels.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/banded_scan.h"
 #include "studies/frontier/frontier_drawing.h"
@@ -277,6 +278,11 @@ TEST(Frontier, MeasuresEveryMethod) {
     EXPECT_GT(point.traced_per_px, 0.9) << point.label;
     EXPECT_EQ(point.defects.size(), 2U) << point.label;
     EXPECT_TRUE(point.is_reference || point.h_error_points > 0.0) << point.label;
+    if (!point.is_reference) {
+      EXPECT_NEAR(100.0 * point.scores.at("homogeneity.h_rms").error, point.h_error_points, 1e-9);
+      EXPECT_TRUE(point.scores.contains("homogeneity.mean")) << point.label;
+      EXPECT_TRUE(point.scores.contains("defects.min_cnr")) << point.label;
+    }
     choices += point.method.is_choice ? 1 : 0;
   }
   EXPECT_EQ(choices, 2);

@@ -19,6 +19,7 @@
 
 #include "core/file.h"
 #include "optimizer/algorithm/sobol.h"
+#include "studies/definition/ladder/larger_pixels.h"
 #include "studies/definition/ladder/render_ladder.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/frontier_methods.h"

@@ -59,7 +59,9 @@ TEST(RenderLadder, OfPathsHasReflectionsTimesSamples) {
   scene.paths.samples = 16;
   scene.paths.max_reflections = 2;
   EXPECT_THAT(names(render_ladder(scene, {})),
-              ElementsAre("direct light, 8 samples",
+              ElementsAre("half resolution, 2 reflections, 8 samples",
+                          "half resolution, 2 reflections, 32 samples",
+                          "direct light, 8 samples",
                           "2 reflections, 8 samples",
                           "direct light, 16 samples",
                           "2 reflections, 16 samples",
@@ -69,13 +71,62 @@ TEST(RenderLadder, OfPathsHasReflectionsTimesSamples) {
                           "2 reflections, 64 samples"));
 }
 
+TEST(RenderLadder, OfHalfResolutionHasAQuarterOfThePixels) {
+  SceneSettings scene = rough();
+  scene.paths.samples = 32;
+  scene.paths.max_reflections = 3;
+  const auto ladder = render_ladder(scene, {});
+  int halves = 0;
+  for (const RenderRung& rung : ladder) {
+    const SceneSettings at = at_rung(scene, rung);
+    halves += rung.pixel_factor == 2 ? 1 : 0;
+    EXPECT_EQ(at.camera.width_px, scene.camera.width_px / rung.pixel_factor) << rung.name;
+    EXPECT_EQ(at_rung(mirror(), rung).camera.width_px, 1000) << "a mirror keeps its pixels";
+    EXPECT_DOUBLE_EQ(rung.work, counted_work(at)) << rung.name;
+  }
+  EXPECT_EQ(halves, 3) << "8, 32, 128 samples";
+  EXPECT_EQ(ladder.back().pixel_factor, 1);
+  for (const KeptKeys& kept : {KeptKeys{.samples = true}, KeptKeys{}}) {
+    for (const RenderRung& rung : render_ladder(scene, kept)) {
+      EXPECT_LE(rung.paths.samples, kept.samples && rung.is_for_search ? 32 : 128) << rung.name;
+    }
+  }
+}
+
+TEST(RenderLadder, OfFewPixelsOrAKeptCameraHasNoHalfResolution) {
+  const auto has_half = [](const SceneSettings& scene, const KeptKeys& kept) {
+    return std::ranges::any_of(render_ladder(scene, kept),
+                               [](const RenderRung& rung) { return rung.pixel_factor > 1; });
+  };
+  SceneSettings scene = rough();
+  EXPECT_TRUE(has_half(scene, {}));
+  EXPECT_FALSE(has_half(scene, {.resolution = true}));
+  EXPECT_FALSE(has_half(mirror(), {}));
+  scene.camera.height_px = 63;
+  EXPECT_FALSE(has_half(scene, {}));
+  scene = rough();
+  scene.reference.emplace();
+  EXPECT_FALSE(has_half(scene, {})) << "real pictures have all pixels";
+}
+
+TEST(RenderLadder, MeanErrorsAreTakenOutOfWhatTheRungRenders) {
+  RenderRung rung;
+  rung.offsets = {{"homogeneity.h_rms", -0.25}, {"defects.min_weber", 0.5}};
+  std::map<std::string, double> scores = {{"homogeneity.h_rms", 0.5}, {"homogeneity.mean", 0.75}};
+  less_offsets(rough(), rung, scores);
+  EXPECT_EQ(scores.at("homogeneity.h_rms"), 0.75);
+  EXPECT_EQ(scores.at("homogeneity.mean"), 0.75);
+  less_offsets(mirror(), rung, scores);
+  EXPECT_EQ(scores.at("homogeneity.h_rms"), 0.75) << "a mirror is rendered in all its pixels";
+}
+
 // The top of 12 samples is judged by a rung of at most half as many.
 TEST(RenderLadder, OfFewSamplesBeginsBelowHalfOfItsTop) {
   SceneSettings scene = rough();
   scene.paths.max_reflections = 1;
   for (const auto& [samples, first] : {std::pair{1, 2}, std::pair{2, 4}, std::pair{3, 4}}) {
     scene.paths.samples = samples;
-    const auto ladder = render_ladder(scene, {});
+    const auto ladder = render_ladder(scene, {.resolution = true});
     EXPECT_EQ(ladder.front().paths.samples, first) << samples;
     EXPECT_LE(2 * ladder.front().paths.samples, ladder.back().paths.samples) << samples;
   }
@@ -109,7 +160,7 @@ TEST(RenderLadder, KeptSamplesAreTheMostOfASearch) {
   SceneSettings scene = rough();
   scene.paths.samples = 24;
   scene.paths.max_reflections = 1;
-  const auto ladder = render_ladder(scene, {.samples = true});
+  const auto ladder = render_ladder(scene, {.samples = true, .resolution = true});
   EXPECT_THAT(
       names_for_search(ladder),
       ElementsAre(

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What rendering a scene takes, counted from its settings with constants of the source: the same on
+// every machine.
+#pragma once
+
+#include "studies/definition/scene.h"
+
+namespace glint {
+
+/// Whether light may go from one place of the part to another one, which shades it, too. By its
+/// shape: of a mesh nothing else is known.
+bool may_see_itself(const SceneSettings& scene);
+
+/// What one evaluation takes, in millions of camera paths with direct light.
+double counted_work(const SceneSettings& scene);
+
+/// How many times as much a finalist takes when it is re-scored by finer_settings().
+double rescoring_factor(const SceneSettings& scene);
+
+}  // namespace glint

@@ -52,6 +52,7 @@ int frontier_command(const StudyArguments& arguments, const CommonArguments& com
 
 struct StabilityArguments {
   StudyArguments study;  ///< without one the built-in scene
+  std::filesystem::path run;  ///< whose winner is disturbed; empty: none
   std::vector<std::string> sweeps;
   bool is_list = false;
   double budget_min = 0.0;  ///< wall clock; 0: none

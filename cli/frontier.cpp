@@ -28,10 +28,12 @@ std::string row_text(const Json& point) {
     return fmt::format("  {:<44} {}\n", label, point["problem"].get<std::string>());
   }
   const bool is_on_front = !point["on_front"].empty();
-  const bool is_current = point["is_current"];
+  const char* mark = point["is_current"].get<bool>()  ? ">"
+                     : point["is_choice"].get<bool>() ? "+"
+                                                      : " ";
   return fmt::format("{}{}{:<44} {:>9} {:>8} {:>11} {:>9} {:>9} {:>11}\n",
                      is_on_front ? "*" : " ",
-                     is_current ? ">" : " ",
+                     mark,
                      label,
                      number_text(point["cpu_s"], 1e3, "-"),
                      number_text(point["cold_s"], 1.0, "-"),
@@ -181,6 +183,53 @@ std::string sweeps_text(const Json& result) {
                     result["report"].get<std::string>());
 }
 
+/// What does not depend on what is swept.
+stability::StabilityRun stability_run(const StabilityArguments& arguments,
+                                      const CommonArguments& common) {
+  stability::StabilityRun run{
+      .out = arguments.study.out.empty() ? "out/stability" : arguments.study.out,
+      .threads = common.threads,
+      .bounds = {arguments.h_points, arguments.contrast_percent, arguments.picture},
+      .progress = common.progress()};
+  if (arguments.budget_min > 0.0) {
+    run.budget_s = 60.0 * arguments.budget_min;
+  }
+  return run;
+}
+
+/// Of a finished run.
+int winner_command(const StabilityArguments& arguments, const CommonArguments& common) {
+  const bool has_more = !arguments.study.study.empty() || !arguments.sweeps.empty() ||
+                        arguments.is_list || !arguments.study.sets.empty();
+  if (has_more) {
+    throw ConfigError("--run: stands alone, without STUDY.toml, --set, --sweep and --list");
+  }
+  const Json result = stability::winner_study(arguments.run, stability_run(arguments, common));
+  print_result(common, result, sweeps_text(result));
+  return result["totals"]["silently_wrong"].get<int>() == 0 ? kExitDone : kExitNegative;
+}
+
+int sweeps_command(const StabilityArguments& arguments, const CommonArguments& common) {
+  std::optional<Study> study;
+  if (!arguments.study.study.empty()) {
+    study = load_study(arguments.study);
+  } else if (!arguments.study.sets.empty()) {
+    throw ConfigError("--set: needs a STUDY.toml whose keys it sets");
+  }
+  const auto sweeps = stability::chosen_sweeps(
+      arguments.sweeps, study ? stability::swept_scene(study->scene) : stability::SweptScene());
+  if (arguments.is_list) {
+    return list_sweeps(sweeps, common);
+  }
+  stability::StabilityRun run = stability_run(arguments, common);
+  if (study) {
+    run.out = out_folder(arguments.study, *study, ResultKind::kStability);
+  }
+  const Json result = stability::stability_study(study ? &*study : nullptr, sweeps, run);
+  print_result(common, result, sweeps_text(result));
+  return result["totals"]["silently_wrong"].get<int>() == 0 ? kExitDone : kExitNegative;
+}
+
 }  // namespace
 
 int frontier_command(const StudyArguments& arguments, const CommonArguments& common) {
@@ -195,7 +244,7 @@ int frontier_command(const StudyArguments& arguments, const CommonArguments& com
   print_result(common,
                result,
                fmt::format("{}* nothing cheaper has a smaller error of one of the three kinds\n"
-                           "> the scene's own setting\n"
+                           "> the scene's own setting, + the program's own choice\n"
                            "{}report: {}\ndrawing: {}\n",
                            table_text(result),
                            ranking_text(result),
@@ -228,32 +277,8 @@ int frontier_chart_command(const StudyArguments& arguments,
 }
 
 int stability_command(const StabilityArguments& arguments, const CommonArguments& common) {
-  std::optional<Study> study;
-  if (!arguments.study.study.empty()) {
-    study = load_study(arguments.study);
-  } else if (!arguments.study.sets.empty()) {
-    throw ConfigError("--set: needs a STUDY.toml whose keys it sets");
-  }
-  const auto sweeps = stability::chosen_sweeps(
-      arguments.sweeps, study ? stability::swept_scene(study->scene) : stability::SweptScene());
-  if (arguments.is_list) {
-    return list_sweeps(sweeps, common);
-  }
-  stability::StabilityRun run{
-      .out =
-          study ? out_folder(arguments.study, *study, ResultKind::kStability) : arguments.study.out,
-      .threads = common.threads,
-      .bounds = {arguments.h_points, arguments.contrast_percent, arguments.picture},
-      .progress = common.progress()};
-  if (run.out.empty()) {
-    run.out = "out/stability";
-  }
-  if (arguments.budget_min > 0.0) {
-    run.budget_s = 60.0 * arguments.budget_min;
-  }
-  const Json result = stability::stability_study(study ? &*study : nullptr, sweeps, run);
-  print_result(common, result, sweeps_text(result));
-  return result["totals"]["silently_wrong"].get<int>() == 0 ? kExitDone : kExitNegative;
+  return arguments.run.empty() ? sweeps_command(arguments, common)
+                               : winner_command(arguments, common);
 }
 
 }  // namespace glint

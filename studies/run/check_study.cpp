@@ -13,6 +13,7 @@
 #include "core/cpu_clock.h"
 #include "core/text.h"
 #include "studies/accuracy/accurate_search.h"
+#include "studies/accuracy/budget_note.h"
 #include "studies/front/front_designs.h"
 #include "studies/imaging/defect_windows.h"
 #include "studies/imaging/path_picture.h"
@@ -334,8 +335,20 @@ class Check {
     if (accurate_.chosen) {
       json["accuracy"] =
           accurate_search_json(store_, study_, accurate_, search_ ? search_->evaluations : 0);
+      add_budget_note(json["accuracy"]);
     }
     return json;
+  }
+
+  /// Where the clock ends the search before its work is done.
+  void add_budget_note(Json& accuracy) const {
+    if (search_ && search_->is_timed) {
+      const std::string note = budget_note(study_, *accurate_.chosen, search_->evaluations);
+      if (!note.empty()) {
+        accuracy["within_budget"] = note;
+        accuracy["sentence"] = accuracy["sentence"].get<std::string>() + " " + note;
+      }
+    }
   }
 
   Json plain_result() const {

@@ -2,6 +2,7 @@
 #include "studies/stability/stability_page.h"
 
 #include <chrono>
+#include <functional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "studies/output/provenance.h"
 #include "studies/output/result_writer.h"
 #include "studies/report/report.h"
+#include "studies/stability/run_winner.h"
 
 namespace glint::stability {
 namespace {
@@ -32,6 +34,15 @@ void check_folder(const Study* study, const std::filesystem::path& out) {
   check_result_folder(out, ResultKind::kStability, names);
 }
 
+std::function<bool(int, const std::string&)> progress_of(Progress& bar,
+                                                         const StabilityRun& run,
+                                                         Clock::time_point start) {
+  return [&bar, &run, start](int done, const std::string& next) {
+    bar.update(done, next);
+    return !run.budget_s || seconds_since(start) < *run.budget_s;
+  };
+}
+
 Stability measure(const Study* study, const std::vector<Sweep>& sweeps, const StabilityRun& run) {
   const auto start = Clock::now();
   Progress bar("stability", count_cells(sweeps), run.progress);
@@ -39,10 +50,7 @@ Stability measure(const Study* study, const std::vector<Sweep>& sweeps, const St
   if (study != nullptr) {
     options.base = study->resolved;
   }
-  options.on_progress = [&](int done, const std::string& next) {
-    bar.update(done, next);
-    return !run.budget_s || seconds_since(start) < *run.budget_s;
-  };
+  options.on_progress = progress_of(bar, run, start);
   try {
     Stability stability = measure_stability(sweeps, options);
     bar.update(count_cells(sweeps));
@@ -66,7 +74,22 @@ std::vector<std::string> method_lines(const Bounds& bounds) {
       "Where a reference's own uncertainty covers the excess, a cell is right."};
 }
 
-std::string page_html(const Study* study, const Stability& stability, const Json& json) {
+/// Of winner_study().
+std::vector<std::string> winner_lines(const RunnersUp& found) {
+  return {
+      fmt::format("Winner (trial {}) and runner-up (trial {}, the best design that differs by "
+                  "at least {:g} % of a range) are rendered by the study's own settings, as "
+                  "they are and disturbed. A cell is wrong where their order turns round by "
+                  "more than its bound.",
+                  found.winner_trial,
+                  found.second_trial,
+                  100.0 * kApart)};
+}
+
+std::string page_html(const Study* study,
+                      const Stability& stability,
+                      const std::vector<std::string>& methods,
+                      const Json& json) {
   Json source = provenance();
   source.erase("cores");
   return render_report(
@@ -77,9 +100,25 @@ std::string page_html(const Study* study, const Stability& stability, const Json
          {"tone", stability.totals().wrong > 0 ? "bad" : "good"},
          {"details", Json::array()}}},
        {"stability", json},
-       {"methods", method_lines(stability.bounds)},
+       {"methods", methods},
        {"config_toml", study != nullptr ? shown_text(*study) : std::string(base_scene_text())},
        {"provenance", source}});
+}
+
+Json written(const Study* study,
+             const Stability& stability,
+             const std::vector<std::string>& methods,
+             const StabilityRun& run,
+             Clock::time_point start) {
+  Json json = stability_json(stability);
+  ResultWriter writer(run.out, ResultKind::kStability);
+  write_file(writer.path() / "stability.json", json.dump(2) + "\n");
+  write_file(writer.path() / "stability.html", page_html(study, stability, methods, json));
+  writer.finish(
+      {{"study", study != nullptr ? Json(study->name) : Json(nullptr)}, {"threads", run.threads}},
+      start);
+  json["report"] = (run.out / "stability.html").string();
+  return json;
 }
 
 }  // namespace
@@ -105,15 +144,20 @@ Json stability_study(const Study* study,
   check_folder(study, run.out);
   { const OutputFolder probe(run.out); }  // refused now rather than after all the work
   const Stability stability = measure(study, sweeps, run);
-  Json json = stability_json(stability);
-  ResultWriter writer(run.out, ResultKind::kStability);
-  write_file(writer.path() / "stability.json", json.dump(2) + "\n");
-  write_file(writer.path() / "stability.html", page_html(study, stability, json));
-  writer.finish(
-      {{"study", study != nullptr ? Json(study->name) : Json(nullptr)}, {"threads", run.threads}},
-      start);
-  json["report"] = (run.out / "stability.html").string();
-  return json;
+  return written(study, stability, method_lines(run.bounds), run, start);
+}
+
+Json winner_study(const std::filesystem::path& folder, const StabilityRun& run) {
+  const auto start = Clock::now();
+  const RunnersUp found = runners_up(folder);
+  check_folder(&found.study, run.out);
+  { const OutputFolder probe(run.out); }  // as above
+  Progress bar("stability of the winner", count_winner_cells(found), run.progress);
+  const Stability stability = measure_winner(
+      found,
+      {.threads = run.threads, .bounds = run.bounds, .on_progress = progress_of(bar, run, start)});
+  bar.update(count_winner_cells(found));
+  return written(&found.study, stability, winner_lines(found), run, start);
 }
 
 }  // namespace glint::stability

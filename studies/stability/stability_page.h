@@ -34,4 +34,7 @@ nlohmann::ordered_json stability_study(const Study* study,
                                        const std::vector<Sweep>& sweeps,
                                        const StabilityRun& run);
 
+/// The same of the winner of a finished run, by measure_winner(). @param folder  of the run
+nlohmann::ordered_json winner_study(const std::filesystem::path& folder, const StabilityRun& run);
+
 }  // namespace glint::stability

@@ -219,6 +219,53 @@ TEST(RunAccuracy, AnInterruptKeepsWhatWasTried) {
   expect_same_files(folder / "whole", folder / "out");
 }
 
+/// A larger picture, of which half resolution is the cheapest rung.
+std::string half_study() {
+  return replaced(replaced(replaced(kPathStudy, "width_px = 48", "width_px = 96"),
+                           "height_px = 32",
+                           "height_px = 64"),
+                  "object_pixel_mm = 0.2",
+                  "object_pixel_mm = 0.1") +
+         "[accuracy]\nkeep = []\ntolerance = { \"defects.min_weber\" = 1.0 }\n";
+}
+
+// All trials: those that the trial of the ladder knew, and those that the search evaluated.
+TEST(RunAccuracy, ASearchAtHalfResolutionTakesScoresLessTheirMeanErrors) {
+  const TemporaryFolder folder;
+  const Json accuracy = run_into(folder, half_study(), "out")["accuracy"];
+  ASSERT_EQ(accuracy["level"], "half resolution") << accuracy["rung"];
+  const double offset = accuracy["offsets"]["defects.min_weber"];
+  EXPECT_NE(offset, 0.0);
+  const Study study = study_from(folder, half_study());
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const std::optional<RenderRung> rung = rung_of_run(study, folder / "out");
+  ASSERT_TRUE(rung.has_value());
+  const std::vector<Trial> trials =
+      Storage::read(folder / "out/study.sqlite").trials(TrialKind::kSearch);
+  ASSERT_EQ(trials.size(), 14U);
+  for (const Trial& trial : trials) {
+    const Outcome raw = evaluate_at(store, study, overrides_of(study, trial.point), *rung);
+    EXPECT_DOUBLE_EQ(trial.outcome->scores.at("defects.min_weber"),
+                     raw.scores.at("defects.min_weber") - offset)
+        << trial.number;
+  }
+}
+
+TEST(RunAccuracy, HalfResolutionIsTheSameForAnyNumberOfThreadsAndInDesignsAsBuilt) {
+  const TemporaryFolder folder;
+  const std::string text =
+      half_study() + "[manufacture]\n\"lighting.ring.height_mm\" = { plus_minus = 0.5 }\n";
+  const Json result = run_into(folder, text, "one", {.threads = 1, .jobs = 1});
+  run_into(folder, text, "three", {.threads = 3, .jobs = 3});
+  expect_same_files(folder / "one", folder / "three");
+  const auto best = static_cast<std::size_t>(result["best"]["trial"].get<int>() - 1);
+  const std::vector<Trial> trials =
+      Storage::read(folder / "one/study.sqlite").trials(TrialKind::kSearch);
+  EXPECT_DOUBLE_EQ(trials[best].outcome->scores.at("defects.min_weber"),
+                   result["manufacture"]["scores"]["defects.min_weber"]["nominal"].get<double>());
+}
+
 TEST(RunAccuracy, CheckSaysTheSameBefore) {
   const TemporaryFolder folder;
   const std::string text = kPathStudy + "[accuracy]\nkeep = []\ntolerance = \"auto\"\n";

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/accuracy/budget_note.h"
+
+#include <tuple>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace glint {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// Rungs of 1, 4 and 16 with bounds of 0.3, 0.1 and 0.02; the dearest is taken.
+ChosenAccuracy three_rungs() {
+  ChosenAccuracy chosen;
+  for (const auto& [name, work, bound] : {std::tuple{"coarse", 1.0, 0.3},
+                                          std::tuple{"middle", 4.0, 0.1},
+                                          std::tuple{"fine", 16.0, 0.02}}) {
+    RenderRung rung;
+    rung.name = name;
+    rung.work = work;
+    chosen.ladder.push_back(rung);
+    StepReport step;
+    step.bounds = {{.score = "homogeneity.h_rms", .bound = bound}};
+    chosen.choice.steps.push_back(step);
+  }
+  chosen.choice.step = 2;
+  return chosen;
+}
+
+Study study_of(int evaluations) {
+  Study study;
+  study.budget = {.evaluations = evaluations, .wall_clock_s = 60.0};
+  return study;
+}
+
+// 30 evaluations of 16 are 120 of 4 and 480 of 1.
+TEST(BudgetNote, TellsTheBoundThatIsToBeHadInTime) {
+  const ChosenAccuracy chosen = three_rungs();
+  EXPECT_THAT(budget_note(study_of(30), chosen, 30), IsEmpty());
+  const std::string of_middle = budget_note(study_of(100), chosen, 30);
+  EXPECT_THAT(of_middle, HasSubstr("by \"fine\" about 30 of 100 evaluations fit into 60 s"));
+  EXPECT_THAT(of_middle,
+              HasSubstr("by \"middle\", which is exact to homogeneity.h_rms within 0.1"));
+  EXPECT_THAT(budget_note(study_of(400), chosen, 30), HasSubstr("by \"coarse\""));
+  EXPECT_THAT(budget_note(study_of(500), chosen, 30), HasSubstr("no cheaper way"));
+}
+
+TEST(BudgetNote, WithoutANumberASearchOfSomeEvaluationsIsWanted) {
+  const ChosenAccuracy chosen = three_rungs();
+  EXPECT_THAT(budget_note(study_of(0), chosen, 20), IsEmpty());
+  EXPECT_THAT(budget_note(study_of(0), chosen, 19), HasSubstr("19 of 20"));
+}
+
+TEST(BudgetNote, NamesNoRungThatWasNotTried) {
+  ChosenAccuracy chosen = three_rungs();
+  chosen.choice.steps[1].bounds.clear();
+  EXPECT_THAT(budget_note(study_of(100), chosen, 30), HasSubstr("by \"coarse\""));
+}
+
+}  // namespace
+}  // namespace glint

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "optimizer/storage/replicate_rows.h"
 #include "optimizer/storage/sqlite.h"
 #include "optimizer/storage/trial_rows.h"
 
@@ -209,6 +210,7 @@ void create(const std::filesystem::path& path, const StudyIdentity& identity) {
     database.run(kGradientTable);
     database.run(kRemarkTable);
     database.run(kObjectivesColumn);
+    create_replicate_tables(database);
     Statement(database, "INSERT INTO study VALUES(1, ?, ?, ?, ?)")
         .bind(std::string_view(identity.config_hash))
         .bind(std::string_view(identity.config_text))
@@ -239,6 +241,7 @@ void upgrade(Database& database) {
   if (schema < kFirstSchemaWithObjectives) {
     database.run(kObjectivesColumn);
   }
+  create_replicate_tables(database);
   database.run("PRAGMA user_version = " + std::to_string(Storage::kSchema));
   transaction.commit();
 }
@@ -349,6 +352,15 @@ void Storage::record(TrialKind kind, int number, const Outcome& outcome) {
   transaction.commit();
 }
 
+void Storage::record(std::span<const Replicate> replicates) {
+  const std::lock_guard lock(state_->mutex);
+  Transaction transaction(state_->database);
+  for (const Replicate& replicate : replicates) {
+    insert_replicate(state_->database, replicate);
+  }
+  transaction.commit();
+}
+
 void Storage::begin_epoch(const Event& event) {
   const std::lock_guard lock(state_->mutex);
   Transaction transaction(state_->database);
@@ -415,6 +427,11 @@ std::vector<Event> Storage::events() const {
 std::vector<Trial> Storage::trials(TrialKind kind) const {
   const std::lock_guard lock(state_->mutex);
   return read_trials(state_->database, kind);
+}
+
+std::vector<Replicate> Storage::replicates(TrialKind kind) const {
+  const std::lock_guard lock(state_->mutex);
+  return read_replicates(state_->database, kind);
 }
 
 }  // namespace glint

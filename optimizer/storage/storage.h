@@ -7,10 +7,11 @@
 // transaction. Numbers come back bit for bit.
 //
 // Tables: study (one row), session (one row per process that ran it), trial, evaluation, value,
-// gradient, remark, event. Schema 1 had no gradients and 2 no remarks, which were a text in the
-// message of an evaluation that did not fail, 3 no objectives in its events, and 5 no epochs; such
-// a database is read as it is and upgraded when it is opened for running. They are for reading with
-// other tools too; the schema number is SQLite's user_version.
+// gradient, remark, event, replicate, replicate_value. Schema 1 had no gradients and 2 no remarks,
+// which were a text in the message of an evaluation that did not fail, 3 no objectives in its
+// events, 5 no epochs, and 6 no replicates: one outcome a trial was all there was; such a database
+// is read as it is and upgraded when it is opened for running. They are for reading with other
+// tools too; the schema number is SQLite's user_version.
 #pragma once
 
 #include <cstdint>
@@ -32,10 +33,20 @@ struct StudyIdentity {
   std::uint64_t seed = 1;
 };
 
+/// One of several outcomes of a trial. The search's own is that of Storage::record() alone.
+struct Replicate {
+  TrialKind kind = TrialKind::kSearch;
+  int number = 0;          ///< of the trial
+  std::string rung;        ///< how it was rendered
+  int replicate = 0;       ///< 0: with the random numbers that the search has
+  std::uint64_t seed = 1;  ///< of the random numbers
+  Outcome outcome;         ///< derivatives and remarks are not kept
+};
+
 /// Safe to use from several threads.
 class Storage {
  public:
-  static constexpr int kSchema = 6;
+  static constexpr int kSchema = 7;
 
   /// Opens the study's database for running, or creates it; the folder must exist. Only one process
   /// may hold it; the lock ends with the process, however that ends. Safe against kill -9, not
@@ -63,6 +74,10 @@ class Storage {
   /// Records the outcome of a trial that exists.
   void record(TrialKind kind, int number, const Outcome& outcome);
 
+  /// Records outcomes of trials that exist, in one transaction, and replaces those of the same
+  /// trial, rung, replicate and seed. What a search goes on from they do not change.
+  void record(std::span<const Replicate> replicates);
+
   /// Appends a kEpoch event and withdraws the outcomes of all search trials, in one transaction.
   void begin_epoch(const Event& event);
 
@@ -79,6 +94,8 @@ class Storage {
   StudyIdentity identity() const;                   ///< as it was when the study began or became
   std::vector<Event> events() const;                ///< in order
   std::vector<Trial> trials(TrialKind kind) const;  ///< by number
+  /// By number, rung, replicate and seed.
+  std::vector<Replicate> replicates(TrialKind kind) const;
 
  private:
   struct State;

@@ -13,10 +13,6 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kTrialKinds = {"search", "part"};
 
-std::string_view name_of(TrialKind kind) {
-  return kTrialKinds[static_cast<std::size_t>(kind)];
-}
-
 /// The trials that are read, and where each of them is.
 struct TrialList {
   std::vector<Trial> trials;
@@ -37,7 +33,7 @@ TrialList read_evaluations(Database& database, TrialKind kind) {
                 "SELECT t.number, t.name, t.point, e.status, e.message, e.seconds FROM trial t "
                 "LEFT JOIN evaluation e ON e.kind = t.kind AND e.number = t.number "
                 "WHERE t.kind = ? ORDER BY t.number");
-  row.bind(name_of(kind));
+  row.bind(trial_kind_name(kind));
   while (row.step()) {
     Trial trial{.kind = kind,
                 .number = static_cast<int>(row.integer(0)),
@@ -59,7 +55,7 @@ TrialList read_evaluations(Database& database, TrialKind kind) {
 
 void read_scores(Database& database, TrialKind kind, TrialList& list) {
   Statement row(database, "SELECT number, name, value FROM value WHERE kind = ?");
-  row.bind(name_of(kind));
+  row.bind(trial_kind_name(kind));
   while (row.step()) {
     if (Outcome* outcome = list.outcome_of(row.integer(0))) {
       outcome->scores[row.text(1)] = row.real(2);
@@ -71,7 +67,7 @@ void read_gradients(Database& database, TrialKind kind, TrialList& list) {
   Statement row(database,
                 "SELECT number, score, variable, value FROM gradient WHERE kind = ? "
                 "ORDER BY number, score, variable");
-  row.bind(name_of(kind));
+  row.bind(trial_kind_name(kind));
   while (row.step()) {
     Outcome* outcome = list.outcome_of(row.integer(0));
     if (outcome == nullptr) {
@@ -89,7 +85,7 @@ void read_gradients(Database& database, TrialKind kind, TrialList& list) {
 void read_remarks(Database& database, TrialKind kind, TrialList& list) {
   Statement row(database,
                 "SELECT number, count, text FROM remark WHERE kind = ? ORDER BY number, position");
-  row.bind(name_of(kind));
+  row.bind(trial_kind_name(kind));
   while (row.step()) {
     if (Outcome* outcome = list.outcome_of(row.integer(0))) {
       Remark& remark = outcome->remarks.emplace_back();
@@ -103,9 +99,13 @@ void read_remarks(Database& database, TrialKind kind, TrialList& list) {
 
 }  // namespace
 
+std::string_view trial_kind_name(TrialKind kind) {
+  return kTrialKinds[static_cast<std::size_t>(kind)];
+}
+
 void insert_trial(Database& database, const Trial& trial) {
   Statement(database, "INSERT OR REPLACE INTO trial VALUES(?, ?, ?, ?)")
-      .bind(name_of(trial.kind))
+      .bind(trial_kind_name(trial.kind))
       .bind(std::int64_t{trial.number})
       .bind(std::string_view(trial.name))
       .bind_doubles(trial.point)
@@ -115,7 +115,7 @@ void insert_trial(Database& database, const Trial& trial) {
 void delete_outcome(Database& database, TrialKind kind, int number) {
   for (const char* table : {"remark", "gradient", "value", "evaluation"}) {
     Statement(database, std::string("DELETE FROM ") + table + " WHERE kind = ? AND number = ?")
-        .bind(name_of(kind))
+        .bind(trial_kind_name(kind))
         .bind(std::int64_t{number})
         .run();
   }
@@ -124,7 +124,7 @@ void delete_outcome(Database& database, TrialKind kind, int number) {
 void delete_outcomes(Database& database, TrialKind kind) {
   for (const char* table : {"remark", "gradient", "value", "evaluation"}) {
     Statement(database, std::string("DELETE FROM ") + table + " WHERE kind = ?")
-        .bind(name_of(kind))
+        .bind(trial_kind_name(kind))
         .run();
   }
 }
@@ -132,7 +132,7 @@ void delete_outcomes(Database& database, TrialKind kind) {
 void replace_point(Database& database, TrialKind kind, int number, const Point& point) {
   Statement(database, "UPDATE trial SET point = ? WHERE kind = ? AND number = ?")
       .bind_doubles(point)
-      .bind(name_of(kind))
+      .bind(trial_kind_name(kind))
       .bind(std::int64_t{number})
       .run();
 }
@@ -140,7 +140,7 @@ void replace_point(Database& database, TrialKind kind, int number, const Point& 
 void insert_outcome(Database& database, TrialKind kind, int number, const Outcome& outcome) {
   delete_outcome(database, kind, number);
   const auto begin = [&](Statement& statement) -> Statement& {
-    return statement.bind(name_of(kind)).bind(std::int64_t{number});
+    return statement.bind(trial_kind_name(kind)).bind(std::int64_t{number});
   };
   const auto row = [&](const char* sql) {
     Statement statement(database, sql);

@@ -3,6 +3,7 @@
 // Trials and their outcomes as rows of the tables trial, evaluation, value, gradient and remark.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "optimizer/problem/trial.h"
@@ -13,6 +14,9 @@ namespace glint {
 inline constexpr std::int64_t kFirstSchemaWithGradients = 2;
 inline constexpr std::int64_t kFirstSchemaWithRemarks = 3;
 inline constexpr std::int64_t kFirstSchemaWithObjectives = 4;
+
+/// As the tables have it: "search", "part".
+std::string_view trial_kind_name(TrialKind kind);
 
 /// Inserts the trial without its outcome, or replaces it.
 void insert_trial(Database& database, const Trial& trial);

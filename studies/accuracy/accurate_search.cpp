@@ -2,6 +2,9 @@
 #include "studies/accuracy/accurate_search.h"
 
 #include <algorithm>
+#include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -19,10 +22,41 @@ bool has_asked(const Storage& search) {
   return std::ranges::find(events, EventKind::kAsk, &Event::kind) != events.end();
 }
 
+Replicate replicate_of(const Study& study, int trial, const std::string& rung, Outcome outcome) {
+  return {.number = trial,
+          .rung = rung,
+          .seed = static_cast<std::uint64_t>(study.scene.paths.seed),
+          .outcome = std::move(outcome)};
+}
+
+/// Of the search's trials as its rung gave them.
+std::vector<Replicate> replicates_of(const Study& study,
+                                     std::span<const Trial> trials,
+                                     const std::string& rung) {
+  std::vector<Replicate> replicates;
+  for (const Trial& trial : trials) {
+    if (trial.outcome) {
+      replicates.push_back(replicate_of(study, trial.number, rung, *trial.outcome));
+    }
+  }
+  return replicates;
+}
+
+/// Of those that were checked, as the dearer rungs gave them.
+std::vector<Replicate> replicates_of(const Study& study, const AccuracyCheck& check) {
+  std::vector<Replicate> replicates;
+  for (const auto* designs : {&check.during, &check.designs}) {
+    for (const CheckedDesign& design : *designs) {
+      replicates.push_back(replicate_of(study, design.trial, design.rung, design.dearer));
+    }
+  }
+  return replicates;
+}
+
 }  // namespace
 
 SearchResult search_accurately(const AccuracyTask& task,
-                               const Storage& storage,
+                               Storage& storage,
                                const ChosenSearch& search,
                                AccurateSearch& found) {
   SearchResult result = {.termination = Termination::kInterrupted};
@@ -38,7 +72,11 @@ SearchResult search_accurately(const AccuracyTask& task,
     log(LogLevel::kInfo, "the search is rendered by: {}", found.chosen->rung().name);
     result = search(*found.chosen, [&](std::span<const Trial> told) {
       const double review_start = process_cpu_s();
+      const std::string rung = found.chosen->rung().name;
       std::optional<Event> event = review.review(told);
+      if (event) {
+        storage.record(replicates_of(task.study, told, rung));
+      }
       found.cpu_s += process_cpu_s() - review_start;
       return event;
     });
@@ -48,6 +86,8 @@ SearchResult search_accurately(const AccuracyTask& task,
     const double search_end = process_cpu_s();
     const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
     found.check = check_search(task, record, *found.chosen, trials, review);
+    storage.record(replicates_of(task.study, trials, found.chosen->rung().name));
+    storage.record(replicates_of(task.study, *found.check));
     found.cpu_s += process_cpu_s() - search_end;
     if (adopt_winner(task.study, *found.check, trials, result)) {
       log(LogLevel::kInfo, "trial {} is the best of the finalists", result.best->number);

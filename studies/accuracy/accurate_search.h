@@ -23,13 +23,14 @@ struct AccurateSearch {
   double cpu_s = 0.0;                    ///< of choosing and checking, all threads
 };
 
-/// @param storage  of the search
+/// @param storage  of the search; gets the outcomes of each rung that its trials were rendered by,
+///                 withdrawn and checked ones too
 /// @param search   searches at the rung of what was chosen, which a review may raise
 /// @param found    what is there when it was interrupted, too
 /// @return what the search gave, with the best of the finalists at the top rung
 /// @throws ConfigError, IoError
 SearchResult search_accurately(const AccuracyTask& task,
-                               const Storage& storage,
+                               Storage& storage,
                                const ChosenSearch& search,
                                AccurateSearch& found);
 

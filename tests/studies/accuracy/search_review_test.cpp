@@ -18,6 +18,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "optimizer/storage/sqlite.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -171,6 +172,57 @@ TEST(SearchReview, RaisesTheRungWhereADesignIsBeyondTheBound) {
   EXPECT_EQ(result.check["epochs"].size(), 1U);
   EXPECT_THAT(result.check["sentence"].get<std::string>(),
               HasSubstr("evaluated again by \"direct light, 16 samples\""));
+}
+
+/// "direct light, 8 samples": trials that have an outcome there.
+std::map<std::string, int> replicates_by_rung(const TemporaryFolder& folder) {
+  std::map<std::string, int> count;
+  const Storage storage = Storage::read(folder / "study.sqlite");
+  for (const Replicate& replicate : storage.replicates(TrialKind::kSearch)) {
+    EXPECT_EQ(replicate.replicate, 0);
+    EXPECT_EQ(replicate.seed, 1U);
+    ++count[replicate.rung];
+  }
+  return count;
+}
+
+TEST(SearchReview, EveryOutcomeOfATrialIsKeptByItsRung) {
+  const TemporaryFolder folder;
+  const Result result = run_in(folder);
+  const std::map<std::string, int> count = replicates_by_rung(folder);
+  ASSERT_THAT(result.found.check->ended, SizeIs(1));
+  EXPECT_EQ(count.at("direct light, 8 samples"), result.found.check->ended[0].evaluations)
+      << "the withdrawn ones";
+  EXPECT_EQ(count.at("direct light, 16 samples"), kEvaluations);
+  EXPECT_GE(count.at(result.found.chosen->top().name), 1) << "finalists";
+  const Storage storage = Storage::read(folder / "study.sqlite");
+  const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+  for (const Replicate& replicate : storage.replicates(TrialKind::kSearch)) {
+    if (replicate.rung == result.found.chosen->rung().name) {
+      const Trial& trial = trials[static_cast<std::size_t>(replicate.number - 1)];
+      EXPECT_EQ(replicate.outcome.scores.at(kMade), trial.outcome->scores.at(kMade));
+    }
+  }
+}
+
+/// As the program before wrote it.
+void make_schema_6(const std::filesystem::path& path) {
+  Database(path, Database::Access::kReadWrite)
+      .run("DROP TABLE replicate; DROP TABLE replicate_value; PRAGMA user_version = 6");
+}
+
+TEST(SearchReview, ARunOfSchema6GoesOnToTheSame) {
+  const TemporaryFolder whole;
+  const Result expected = run_in(whole);
+  const TemporaryFolder folder;
+  run_in(folder, expected.evaluations - 20);
+  make_schema_6(folder / "study.sqlite");
+  make_schema_6(folder / "accuracy.sqlite");
+  EXPECT_TRUE(replicates_by_rung(folder).empty()) << "and it is read as it is";
+  const Result result = run_in(folder);
+  EXPECT_EQ(trials_of(folder), trials_of(whole));
+  EXPECT_EQ(result.check, expected.check);
+  EXPECT_EQ(replicates_by_rung(folder).at("direct light, 16 samples"), kEvaluations);
 }
 
 TEST(SearchReview, KeepsTheRungWhereTheBoundHolds) {

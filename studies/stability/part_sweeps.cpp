@@ -184,6 +184,7 @@ Sweep bar_over_plate() {
           .swept = "lighting.bar.position_mm",
           .title = "an upright light beside a matt plate that comes down on it, mm",
           .kind = Sweep::Kind::kBar,
+          .is_beside_bar = true,
           .values = [] {
             std::vector<SweepValue> values;
             for (const double mm : {150.0, 50.0, 10.0, 3.0, 1.0, 0.1, 0.01, 0.0}) {
@@ -223,6 +224,41 @@ Sweep switches() {
   return sweep;
 }
 
+/// Rough metal by a rung without noise, in one and four rays a pixel, and by paths.
+Sweep rough_switches(const char* name,
+                     const char* title,
+                     const char* method,
+                     const char* roughness) {
+  Sweep sweep{.name = name,
+              .swept = "render.method",
+              .title = title,
+              .kind = Sweep::Kind::kSwitch,
+              .sets = {{"material.type", "conductor"}, {"material.roughness", roughness}}};
+  sweep.values = {{.value = 1, .sets = {{"render.rays_per_axis", "1"}}, .method = method},
+                  {.value = 2, .sets = {{"render.rays_per_axis", "2"}}, .method = method},
+                  {.value = 3, .sets = {{"render.paths.samples", "256"}}, .method = "paths"}};
+  return sweep;
+}
+
+Sweep blurred_switches() {
+  Sweep sweep = rough_switches("switches_blurred",
+                               "rough metal under the tunnel by blurred reflections, then by paths",
+                               "blurred",
+                               "0.22");
+  sweep.sets.push_back({"defects", "{}"});
+  return sweep;
+}
+
+Sweep direct_switches() {
+  Sweep sweep = rough_switches("switches_direct",
+                               "rough metal beside a bar by the sum of direct light, then by paths",
+                               "direct",
+                               "0.55");
+  sweep.sets.push_back({"sensor.gain", "100"});
+  sweep.is_beside_bar = true;
+  return sweep;
+}
+
 }  // namespace
 
 std::vector<Sweep> part_sweeps() {
@@ -256,7 +292,9 @@ std::vector<Sweep> part_sweeps() {
              "the better of two designs on triangles",
              {0.0, 0.5, 0.6, 2},
              {}),
-      switches()};
+      switches(),
+      blurred_switches(),
+      direct_switches()};
   const std::set<std::string> of_any_size = {"roughness", "samples", "switches"};
   for (Sweep& sweep : sweeps) {
     sweep.has_own_sizes = !of_any_size.contains(sweep.name);

@@ -82,7 +82,7 @@ class Measuring {
   Cell cell_of(SceneStore& store, const Sweep& sweep, const SweepValue& value) {
     Cell cell{.value = value.value, .method = value.method};
     try {
-      const ConfigNode& base = sweep.kind == Sweep::Kind::kBar ? bar_ : base_;
+      const ConfigNode& base = sweep.is_beside_bar ? bar_ : base_;
       const ConfigNode root = scene_tables_of(base, sweep, value);
       if (sweep.kind == Sweep::Kind::kWinner) {
         compare_pair(store, root, cell);

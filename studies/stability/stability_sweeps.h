@@ -55,6 +55,7 @@ struct Sweep {
   std::string title;  ///< what is swept, for people
   Kind kind = Kind::kTunnel;
   bool has_own_sizes = false;       ///< in mm, of the built-in scene: means nothing in another one
+  bool is_beside_bar = false;       ///< starts from bar_scene_text()
   std::vector<KeyValue> sets = {};  ///< over the base scene
   std::vector<SweepValue> values = {};
 };

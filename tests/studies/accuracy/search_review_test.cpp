@@ -19,6 +19,7 @@
 
 #include "core/file.h"
 #include "optimizer/storage/sqlite.h"
+#include "tests/studies/accuracy/faked_clock.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -223,6 +224,23 @@ TEST(SearchReview, ARunOfSchema6GoesOnToTheSame) {
   EXPECT_EQ(trials_of(folder), trials_of(whole));
   EXPECT_EQ(result.check, expected.check);
   EXPECT_EQ(replicates_by_rung(folder).at("direct light, 16 samples"), kEvaluations);
+}
+
+// Choice, checks, epoch and what is told, whatever clocks say: at once, and when going on.
+TEST(SearchReview, NoClockHasASayInWhatIsDecided) {
+  const TemporaryFolder real;
+  const Result expected = run_in(real);
+  for (const unsigned seed : {1U, 2U}) {
+    const TemporaryFolder folder;
+    const test::FakedClock clock(seed);
+    run_in(folder, seed == 1 ? 0 : 50);  // the second one is cut short
+    const Result result = run_in(folder);
+    EXPECT_EQ(trials_of(folder), trials_of(real)) << seed;
+    EXPECT_EQ(result.check, expected.check) << seed;
+    EXPECT_EQ(result.told, expected.told) << seed;
+    EXPECT_GT(result.found.cpu_s, 1000.0 + expected.found.cpu_s) << "else no clock was faked";
+    EXPECT_GT(test::FakedClock::looks(), 10);
+  }
 }
 
 TEST(SearchReview, KeepsTheRungWhereTheBoundHolds) {

@@ -11,6 +11,7 @@
 
 #include "core/cpu_clock.h"
 #include "core/image/image_io.h"
+#include "studies/definition/ladder/counted_work.h"
 #include "studies/definition/render_methods.h"
 #include "studies/output/scratch_folder.h"
 #include "studies/report/report.h"

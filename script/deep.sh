@@ -19,6 +19,7 @@ tidy_studies   - clang-tidy on studies
 tidy_hardware  - clang-tidy on hardware
 tidy_tests     - clang-tidy on tests
 fuzz           - each fuzzer for a minute
+optuna         - Optuna opens exported runs, with its importances; left out with a word where it cannot be installed
 slow           - tests labelled slow, but those below
 slow_loop      - the loop of robot_cell at full width, and the hand-eye of ten cells
 slow_docs      - the commands of the pages, predicted costs, the package
@@ -119,6 +120,15 @@ fuzz_for_a_minute() { # program, name
   echo "fuzzing $2" >&2
   ASAN_OPTIONS=detect_leaks=$leaks "$1" -max_total_time=60 -max_len=4000 -verbosity=0 \
     -artifact_prefix="$root/build/fuzz/$2-" "${folders[@]}"
+}
+
+# A machine without network or rights may lack Optuna; that is said, and is no fault of Glint.
+deep_optuna() {
+  if ! "$root/script/bootstrap" --peers || ! /usr/bin/python3 -c 'import optuna, sklearn'; then
+    echo "left out: python3-optuna and python3-sklearn are missing and cannot be installed" >&2
+    return 0
+  fi
+  build_preset dev && run_tests dev -R '^studies_export$'
 }
 
 loop_tests='^loop_(robot_cell|hand_eye_seeds)$'

@@ -120,7 +120,7 @@ class Algorithm {
 
   /// What the objectives are expected to be without noise at each told point, in the order of
   /// telling; an empty row where it failed. Empty: there is no model.
-  virtual std::vector<std::vector<double>> expected_objectives() { return {}; }
+  virtual std::vector<std::vector<Expectation>> expected_objectives() { return {}; }
 
   /// Restarts, abandoned runs, models and remarks since the last call, in order.
   std::vector<Event> take_events();

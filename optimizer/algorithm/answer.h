@@ -7,6 +7,12 @@
 
 namespace glint {
 
+/// What a model expects of a value without the noise of its evaluation.
+struct Expectation {
+  double mean = 0.0;
+  double sd = 0.0;  ///< >= 0
+};
+
 /// A number and its derivative by each coordinate of the unit cube.
 struct ValueWithGradient {
   double value = 0.0;

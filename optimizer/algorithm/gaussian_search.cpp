@@ -113,7 +113,7 @@ void GaussianSearch::restore_model(std::span<const double> parameters) {
   note_fit(told_.size());
 }
 
-std::vector<std::vector<double>> GaussianSearch::expected_objectives() {
+std::vector<std::vector<Expectation>> GaussianSearch::expected_objectives() {
   if (restored_) {
     rebuild(*restored_);
   }
@@ -129,16 +129,17 @@ std::vector<std::vector<double>> GaussianSearch::expected_objectives() {
       points.push_back(told.point);
     }
   }
-  std::vector<std::vector<double>> means;
+  std::vector<std::vector<Posterior>> predicted;
   for (std::size_t k = 0; k < static_cast<std::size_t>(plan_.num_objectives); ++k) {
-    means.push_back(models_[k].predict_means(points));
+    predicted.push_back(models_[k].predict(points));
   }
-  std::vector<std::vector<double>> rows;
+  std::vector<std::vector<Expectation>> rows;
   std::size_t next = 0;
   for (const ToldDesign& told : told_) {
-    std::vector<double> row;
-    for (std::size_t k = 0; k < means.size() && !told.values.empty(); ++k) {
-      row.push_back(means[k][next]);
+    std::vector<Expectation> row;
+    for (std::size_t k = 0; k < predicted.size() && !told.values.empty(); ++k) {
+      const Posterior& posterior = predicted[k][next];
+      row.push_back({.mean = posterior.mean, .sd = std::sqrt(posterior.variance)});
     }
     next += told.values.empty() ? 0U : 1U;
     rows.push_back(std::move(row));

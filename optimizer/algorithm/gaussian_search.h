@@ -58,7 +58,7 @@ class GaussianSearch final : public Algorithm {
 
   void restore_ask(const Point& point) override;
   void restore_model(std::span<const double> parameters) override;
-  std::vector<std::vector<double>> expected_objectives() override;
+  std::vector<std::vector<Expectation>> expected_objectives() override;
 
  private:
   /// The models' parameters were chosen when so many were told.

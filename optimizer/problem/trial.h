@@ -46,14 +46,18 @@ struct Outcome {
   std::map<std::string, std::vector<double>> gradients;
 };
 
-/// Why a design was evaluated; kPart: one inspected part of a population, its figures as scores.
-enum class TrialKind { kSearch, kPart };
+/// Why a design was evaluated.
+enum class TrialKind {
+  kSearch,
+  kPart,      ///< one inspected part of a population, its figures as scores
+  kReplicate  ///< a design once more, with random numbers that no search has seen
+};
 
 /// A design and, once it was evaluated, its outcome.
 struct Trial {
   TrialKind kind = TrialKind::kSearch;
   int number = 0;    ///< counts from 1 within its kind, in the order of asking
-  std::string name;  ///< of an inspected part; empty in the search
+  std::string name;  ///< of an inspected part or of a replicate's design; empty in the search
   Point point;
   std::optional<Outcome> outcome;  ///< empty: asked, not evaluated yet
 };
@@ -71,7 +75,10 @@ enum class EventKind {
   /// The algorithm begins anew: asks and tells before are history. `trial` > 0: all outcomes so far
   /// were withdrawn, this trial showed why, and `value` and `objectives` are of who reviews the
   /// search. 0: the space was widened; outcomes stay.
-  kEpoch
+  kEpoch,
+  /// A design was evaluated once more, with random numbers that no search has seen: replicate
+  /// number `value` of its race, of search trial `trial` (0: of none) or of what `text` names.
+  kReplicate
 };
 
 struct Event {

@@ -344,6 +344,7 @@ void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory
       case EventKind::kNote:
       case EventKind::kRules:
       case EventKind::kEpoch:
+      case EventKind::kReplicate:
         break;
     }
   }

@@ -327,16 +327,24 @@ class Search {
         result.best = trial;
       }
     }
+    const std::vector<std::vector<Expectation>> expected = expected_rows();
+    result.expected = expectations_of(task_.goal, memory_.tells, expected);
     if (has_several_objectives(task_.goal)) {
       take_compromise(result);
     } else if (task_.settings.is_noisy && task_.settings.rules > 1) {
-      const std::vector<std::vector<double>> expected = memory_.algorithm->expected_objectives();
       const std::optional<int> best =
           expected_best(task_.goal, memory_.trials, memory_.tells, expected);
       result.best = best ? trial(*best) : result.best;
     }
     result.is_feasible = result.best && is_feasible(task_.goal, result.best->outcome->scores);
     return result;
+  }
+
+  /// One per tell; empty where scores are not noisy.
+  std::vector<std::vector<Expectation>> expected_rows() {
+    const bool is_noisy = task_.settings.is_noisy || tells_noise(task_.goal, memory_.trials);
+    return is_noisy && task_.settings.rules > 1 ? memory_.algorithm->expected_objectives()
+                                                : std::vector<std::vector<Expectation>>{};
   }
 
   std::string algorithm_name() const {

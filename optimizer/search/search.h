@@ -24,6 +24,7 @@
 #include "optimizer/problem/exact_scores.h"
 #include "optimizer/problem/space.h"
 #include "optimizer/problem/trial.h"
+#include "optimizer/search/expectations.h"
 #include "optimizer/search/trade_off.h"
 #include "optimizer/storage/storage.h"
 
@@ -38,6 +39,9 @@ struct Budget {
   /// by more than noise, each design that added before. 0: no limit.
   int stall = 0;
   std::optional<double> target;  ///< objective that a feasible design has to reach; of one only
+  /// Not of the search: designs that race with fresh random numbers when it has ended; 0: none.
+  /// Empty: as many as race_size() says.
+  std::optional<int> race;
 };
 
 enum class Termination {
@@ -119,6 +123,7 @@ struct SearchResult {
   /// that lies inside the front.
   std::vector<std::string> warnings;
   std::optional<TradeOff> trade_off;  ///< of several objectives
+  Expectations expected = {};         ///< where scores are noisy and the algorithm has models
 };
 
 /// @param interrupt  nullptr, or how often the user interrupted: at 1 the running evaluations

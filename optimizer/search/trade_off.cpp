@@ -157,12 +157,12 @@ TradeOff trade_off(const Goal& goal,
 std::optional<int> expected_best(const Goal& goal,
                                  std::span<const Trial> trials,
                                  std::span<const int> told,
-                                 std::span<const std::vector<double>> expected) {
+                                 std::span<const std::vector<Expectation>> expected) {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < std::min(told.size(), expected.size()); ++i) {
     const Trial& trial = trials[static_cast<std::size_t>(told[i] - 1)];
     if (!expected[i].empty() && is_on_offer(goal, trial) &&
-        (!best || expected[i][0] < expected[*best][0])) {
+        (!best || expected[i][0].mean < expected[*best][0].mean)) {
       best = i;
     }
   }

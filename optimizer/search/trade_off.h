@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "optimizer/algorithm/answer.h"
 #include "optimizer/problem/goal.h"
 #include "optimizer/problem/trial.h"
 
@@ -48,7 +49,7 @@ TradeOff trade_off(const Goal& goal,
 std::optional<int> expected_best(const Goal& goal,
                                  std::span<const Trial> trials,
                                  std::span<const int> told,
-                                 std::span<const std::vector<double>> expected);
+                                 std::span<const std::vector<Expectation>> expected);
 
 /// Hypervolume after each evaluated trial, in their order.
 std::vector<double> hypervolume_history(const Goal& goal,

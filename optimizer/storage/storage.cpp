@@ -29,9 +29,18 @@ namespace {
 /// "GLNT": marks our databases among other programs' SQLite files.
 constexpr std::int64_t kApplicationId = 0x474C4E54;
 
-/// "rules" and "model" are of schema 5, "epoch" of 6; the tables are those of schema 4.
-constexpr std::array<std::string_view, 9> kEventKinds = {
-    "ask", "tell", "restart", "abandon", "note", "reference", "rules", "model", "epoch"};
+/// "rules" and "model" are of schema 5, "epoch" of 6, "replicate" of 7; the tables are those of
+/// schema 4.
+constexpr std::array<std::string_view, 10> kEventKinds = {"ask",
+                                                          "tell",
+                                                          "restart",
+                                                          "abandon",
+                                                          "note",
+                                                          "reference",
+                                                          "rules",
+                                                          "model",
+                                                          "epoch",
+                                                          "replicate"};
 
 constexpr const char* kTables = R"sql(
 CREATE TABLE study(
@@ -326,6 +335,9 @@ void Storage::append(std::span<const Event> events, std::span<const Trial> new_t
   Transaction transaction(state_->database);
   for (const Trial& trial : new_trials) {
     insert_trial(state_->database, trial);
+    if (trial.outcome) {
+      insert_outcome(state_->database, trial.kind, trial.number, *trial.outcome);
+    }
   }
   for (const Event& event : events) {
     insert_event(state_->database, event);

@@ -64,8 +64,9 @@ class Storage {
   Storage& operator=(Storage&&) noexcept;
   ~Storage();
 
-  /// Appends events, and trials that the asks among them name for the first time, in one
-  /// transaction: either all of it survives a crash or nothing.
+  /// Appends events, and trials that the asks or replicates among them name for the first time,
+  /// with their outcomes where they have some, in one transaction: either all of it survives a
+  /// crash or nothing.
   void append(std::span<const Event> events, std::span<const Trial> new_trials = {});
 
   /// Records a trial that needs no event (an inspected part), or replaces it.

@@ -11,7 +11,7 @@
 namespace glint {
 namespace {
 
-constexpr std::array<std::string_view, 2> kTrialKinds = {"search", "part"};
+constexpr std::array<std::string_view, 3> kTrialKinds = {"search", "part", "replicate"};
 
 /// The trials that are read, and where each of them is.
 struct TrialList {

@@ -388,7 +388,10 @@ std::vector<KeyRow> scene_keys() {
   list_table("viewpoints", ViewpointSettings{}, rows);
   list_table("sensor", SensorTable{}, rows);
   list_table("scan", ScanSettings{}, rows);
-  list_table("render", RenderTable{}, rows);
+  RenderTable render;
+  render.paths.has_bias_taken_off = true;  // else the key is not listed
+  list_table("render", std::move(render), rows);
+  std::ranges::find(rows, "render.paths.debias", &KeyRow::path)->default_text = "false";
   rows.push_back(lighting_use_key());
   list_table("lighting.tunnel", TunnelSettings{}, rows);
   for (const std::string_view type : light_types()) {

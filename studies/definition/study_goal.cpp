@@ -169,6 +169,11 @@ void check_several(const Study& study, std::vector<Problem>& errors) {
          "is of one objective, there are several; allowed: budget.stall, evaluations without a "
          "gain of hypervolume");
   }
+  if (study.budget.race) {
+    fail("budget.race",
+         "is of one objective, there are several; not needed: the designs of the front are scored "
+         "again with fresh random numbers in any case");
+  }
   if (study.root.at_path("prototypes.front") != nullptr) {
     fail("prototypes.front",
          "the folder front/ of a run holds the designs of several objectives' front; allowed: any "

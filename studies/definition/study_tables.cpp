@@ -80,6 +80,16 @@ void visit_budget(KeyVisitor& keys, Budget& b) {
                Range::between(0, 100000000),
                "evaluations without a design that is better by more than the objective's noise; 0 "
                "= no limit");
+  if (keys.is_given("race") || b.race) {
+    int race = b.race.value_or(0);
+    keys.integer("race",
+                 race,
+                 Range::between(0, 64),
+                 "best designs that are evaluated again with fresh random numbers after the "
+                 "search, so that the winner is not the luckiest; 0 = none; without it 2 to 8 of a "
+                 "search that is noisy");
+    b.race = race;
+  }
   double target = b.target.value_or(0.0);
   if (keys.is_given("target") || b.target) {
     keys.number("target", target, Range{}, "value of the objective that is good enough");
@@ -333,7 +343,8 @@ void read_study_tables(Study& study, std::vector<Problem>& errors) {
   search.report_unknown();
   KeyReader budget(study.root.find("budget"), "budget", errors);
   visit_budget(budget, study.budget);
-  budget.take("target");  // known also where it is not given
+  budget.take("race");  // known also where they are not given
+  budget.take("target");
   budget.report_unknown();
   read_goal(study, errors);
   read_populations(study, errors);
@@ -387,8 +398,10 @@ std::vector<KeyRow> study_keys() {
   rows[rows.size() - 2].default_text = "\"all\"";
   Budget budget;
   budget.target = 0.0;
+  budget.race = 0;
   KeyLister budget_lister("budget", rows);
   visit_budget(budget_lister, budget);
+  rows[rows.size() - 2].default_text = "none";
   std::ranges::copy(accuracy_keys(), std::back_inserter(rows));
   const std::vector<KeyRow> populations = population_keys();
   rows.insert(rows.end(), populations.begin(), populations.end());

@@ -2,8 +2,11 @@
 #include "studies/evaluation/evaluation.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <numeric>
 #include <optional>
+#include <string_view>
 
 #include "metrics/aspect_image/noise_variance.h"
 #include "metrics/lighting_scores.h"
@@ -100,22 +103,49 @@ std::vector<Scores> scores_without_batch(const ScenePicture& picture,
   });
 }
 
+/// Its values without one batch each; empty where one of them lacks it.
+std::vector<double> values_without(const std::vector<Scores>& without, const std::string& name) {
+  std::vector<double> values;
+  for (const Scores& one : without) {
+    const auto found = one.find(name);
+    if (found != one.end()) {
+      values.push_back(found->second);
+    }
+  }
+  return values.size() == without.size() ? values : std::vector<double>{};
+}
+
 /// "<score>.error" for each score that every set of batches has.
 void add_errors(const std::vector<Scores>& without, Scores& scores) {
   Scores errors;
   for (const auto& [name, value] : scores) {
-    std::vector<double> values;
-    for (const Scores& one : without) {
-      const auto found = one.find(name);
-      if (found != one.end()) {
-        values.push_back(found->second);
-      }
-    }
-    if (values.size() == without.size()) {
+    if (const std::vector<double> values = values_without(without, name); !values.empty()) {
       errors[error_name(name)] = jackknife_error(values);
     }
   }
   scores.merge(errors);
+}
+
+/// Of these figures, of one defect or of all; those that count what is above a threshold are not.
+bool is_smooth_contrast(const std::string& name) {
+  constexpr std::array<std::string_view, 7> kContrasts = {
+      "cnr", "weber", "peak", "michelson", "dprime", "signature", "rms_contrast"};
+  return name.starts_with("defects.") &&
+         std::ranges::any_of(kContrasts, [&](std::string_view end) { return name.ends_with(end); });
+}
+
+/// Takes the bias of noise off contrasts: B t - (B - 1) mean of t_b (M. Quenouille, Biometrika 43,
+/// 1956; docs/theory/path_tracing.md, "Bias of scores").
+void take_bias_off(const std::vector<Scores>& without, Scores& scores) {
+  for (auto& [name, value] : scores) {
+    const std::vector<double> values =
+        is_smooth_contrast(name) ? values_without(without, name) : std::vector<double>{};
+    const auto count = static_cast<double>(values.size());
+    if (!values.empty()) {
+      const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;
+      value = count * value - (count - 1.0) * mean;
+    }
+  }
 }
 
 /// Bounds of scores of one scan, from scans with other noise; the scan itself is the first of them.
@@ -291,8 +321,14 @@ Evaluation evaluate(const ScenePicture& picture,
   }
   Scored scored = score(picture, wanted, consume, smallest_change);
   Evaluation result = {.scores = std::move(scored.scores), .traced = picture.traced()};
-  if (wanted.errors && picture.batches() > 1) {
+  const bool is_debiased = picture.scene().paths.has_bias_taken_off;
+  if ((wanted.errors || is_debiased) && picture.batches() > 1) {
     result.without_batch = scores_without_batch(picture, wanted, smallest_change, pool);
+  }
+  if (is_debiased) {
+    take_bias_off(result.without_batch, result.scores);
+  }
+  if (wanted.errors && picture.batches() > 1) {
     add_errors(result.without_batch, result.scores);
   }
   add_scores(result.scores, totals_of(result.traced->part->made));

@@ -84,7 +84,8 @@ void add_front_to_page(const fs::path& run,
                        Json& front) {
   for (Json& design : front["designs"]) {
     for (const Json& told : result.value("front", Json::array())) {
-      if (told["trial"] == design["trial"] && told.contains("rescored")) {
+      if (told["trial"] == design["trial"] &&
+          (told.contains("rescored") || told.contains("expected"))) {
         design = told;
       }
     }

@@ -110,11 +110,14 @@ void add_ranking(Json& data) {
 }
 
 /// Which of the designs that were scanned repeatedly is the best, for any run.
-/// @return whether it was found just now
+/// @return whether the verdict is to say it: a front has its own words
 bool add_probability_best(Json& data) {
-  if (data.contains("probability_best") || data.contains("front") ||
-      !member(data, "runs").empty() || member(data, "designs").size() < 2) {
+  if (data.contains("front") || !member(data, "runs").empty() ||
+      member(data, "designs").size() < 2) {
     return false;
+  }
+  if (data.contains("probability_best")) {
+    return true;  // of the race of a search's finalists
   }
   Json list = Json::array();
   for (const Json& row : report_detail::ranking_of(data)) {

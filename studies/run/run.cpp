@@ -25,7 +25,6 @@
 #include "studies/output/result_folder.h"
 #include "studies/population/pod_study.h"
 #include "studies/population/sorting.h"
-#include "studies/report/report.h"
 #include "studies/run/begun_study.h"
 #include "studies/run/check_study.h"
 #include "studies/run/design_files.h"
@@ -33,6 +32,7 @@
 #include "studies/run/run_report.h"
 #include "studies/run/run_texts.h"
 #include "studies/run/scene_facts.h"
+#include "studies/run/search_race.h"
 #include "studies/run/study_search.h"
 #include "studies/run/warm_start.h"
 #include "studies/tolerance/tolerance_spread.h"
@@ -74,6 +74,8 @@ class Run {
             "interrupted after {} evaluations, which are kept; writing what there is (a second "
             "interrupt stops at once)",
             search.evaluations);
+      } else {
+        race_for_winner(storage, search);
       }
     }
     const double finish_start = process_cpu_s();
@@ -84,7 +86,7 @@ class Run {
     if (study_.has_search()) {
       result["ended_by"] = ended_by(search.termination);
     }
-    result = with_report(std::move(result));
+    result = with_report(std::move(result), options_.out);
     folder.keep();
     return result;
   }
@@ -163,6 +165,18 @@ class Run {
       bar.update(progress.evaluations, progress_note(study_.goal, progress));
     };
     return run_search(task, storage, evaluate_point, options_.interrupt, show);
+  }
+
+  /// Under noise the search's best design is the one that its finalists' race leaves.
+  void race_for_winner(Storage& storage, SearchResult& search) {
+    if (!has_race(study_, search)) {
+      return;
+    }
+    race_ = race_finalists(store_, study_, storage, search, options_.interrupt);
+    is_interrupted_ = race_.is_null();
+    if (is_interrupted_) {
+      search.termination = Termination::kInterrupted;
+    }
   }
 
   Json head(const std::string& title, const char* role, const Json& variables) const {
@@ -276,14 +290,15 @@ class Run {
     manufacture_cpu_s_ = process_cpu_s() - start;
   }
 
-  /// The best of each kind of light, where the search chose among kinds.
-  void add_kinds(const Storage& storage, Json& result) {
-    if (is_interrupted_) {
-      return;
+  /// The race that chose the winner, and what its score truly is.
+  void add_noise(const SearchResult& search, const Json& winner, Json& result) {
+    if (Json told = told_winner(study_, search, winner); !told.is_null()) {
+      result["best"]["told"] = std::move(told);
     }
-    Json kinds = best_of_each_kind(store_, study_, storage.trials(TrialKind::kSearch));
-    if (!kinds.is_null()) {
-      result["kinds"] = std::move(kinds);
+    if (!race_.is_null()) {
+      result["probability_best"] = race_["probability_best"];
+      race_.erase("probability_best");
+      result["race"] = race_;
     }
   }
 
@@ -301,12 +316,21 @@ class Run {
       add_front(storage, winner, result);
     }
     add_manufacture(storage, search.best->point, result);
-    add_kinds(storage, result);
+    add_noise(search, winner, result);
+    if (is_interrupted_) {
+      return winner["rescored"];
+    }
+    // Of each kind of light, where the search chose among kinds.
+    Json kinds = best_of_each_kind(
+        store_, study_, storage.trials(TrialKind::kSearch), recorded_reference(storage.events()));
+    if (!kinds.is_null()) {
+      result["kinds"] = std::move(kinds);
+    }
     return winner["rescored"];
   }
 
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
-    front_ = search.trade_off ? front_json(study_, storage) : Json();
+    front_ = search.trade_off ? front_json(study_, storage, search.expected) : Json();
     writing_.emplace(study_.name + ": writing", writing_steps(), options_.progress);
     const Json baseline = write(
         "baseline", study_.scene, head("Baseline", "baseline", baseline_variables_json(study_)));
@@ -354,25 +378,6 @@ class Run {
     write_file(options_.out / "trials.csv", trials_csv(study_, storage));
     result["report"] = "report.html";
     write_file(options_.out / "result.json", result.dump(2) + "\n");
-    return result;
-  }
-
-  /// The report reads the folder, result.json too; the verdict that it comes to belongs in there.
-  Json with_report(Json result) const {
-    const fs::path report = options_.out / "report.html";
-    const Json data = report_data({options_.out});
-    const Json& verdict = data["verdict"];
-    result["verdict"] = {{"sentence", verdict["sentence"]},
-                         {"tone", verdict["tone"]},
-                         {"findings", verdict.value("findings", Json::array())}};
-    for (const char* name : {"ranking", "probability_best"}) {
-      if (data.contains(name)) {
-        result[name] = data[name];
-      }
-    }
-    write_file(options_.out / "result.json", result.dump(2) + "\n");
-    write_file(report, render_report(data));
-    result["report"] = report.string();
     return result;
   }
 
@@ -428,6 +433,7 @@ class Run {
   double manufacture_cpu_s_ = 0.0;
   double front_cpu_s_ = 0.0;  ///< part of the two above
   Json front_;                ///< of several objectives
+  Json race_;                 ///< race_finalists(); null: there was none
   std::optional<Progress> writing_;
   int designs_written_ = 0;
   bool is_interrupted_ = false;  ///< in the search: what can be had without is left out

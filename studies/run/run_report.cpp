@@ -24,6 +24,7 @@
 #include "studies/run/comparison/several_runs.h"
 #include "studies/run/run_closeups.h"
 #include "studies/run/scene_facts.h"
+#include "studies/run/search_race.h"
 #include "studies/run/study_search.h"
 #include "studies/tolerance/tolerance_panel.h"
 
@@ -248,6 +249,20 @@ std::vector<std::string> method_sentences(const Study& study, const fs::path& ru
   return methods;
 }
 
+/// The winner's race and true value, and how probably each design is the best.
+void add_noise_to_page(const Json& result, Json& data) {
+  const Json best = result.value("best", Json());
+  const Json told = best.is_object() ? best.value("told", Json()) : Json();
+  const Json race = result.value("race", Json());
+  if (told.is_null() && race.is_null()) {
+    return;
+  }
+  data["panels"].push_back(noise_panel(race, told));
+  if (!race.is_null()) {
+    data["probability_best"] = result["probability_best"];
+  }
+}
+
 Json single_run(const fs::path& run) {
   const Study study = study_of(run);
   const Json result = read_json(run / "result.json");
@@ -285,6 +300,7 @@ Json single_run(const fs::path& run) {
   if (result.contains("accuracy")) {
     data["panels"].push_back(accuracy_panel(result["accuracy"]));
   }
+  add_noise_to_page(result, data);
   if (result.contains("manufacture")) {
     data["panels"].push_back(tolerance_panel(result["manufacture"], result["best"]["variables"]));
   }

@@ -6,11 +6,15 @@
 #include <span>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "core/csv.h"
+#include "core/file.h"
 #include "core/progress.h"
 #include "core/text.h"
 #include "studies/front/front_files.h"
+#include "studies/report/report.h"
+#include "studies/run/run_report.h"
 
 namespace glint {
 
@@ -128,6 +132,26 @@ std::string run_status(const SearchResult& search, bool has_search) {
     return "no_feasible";
   }
   return search.termination == Termination::kWallClock ? "budget" : "done";
+}
+
+nlohmann::ordered_json with_report(nlohmann::ordered_json result,
+                                   const std::filesystem::path& out) {
+  using Json = nlohmann::ordered_json;
+  const std::filesystem::path report = out / "report.html";
+  const Json data = report_data({out});
+  const Json& verdict = data["verdict"];
+  result["verdict"] = {{"sentence", verdict["sentence"]},
+                       {"tone", verdict["tone"]},
+                       {"findings", verdict.value("findings", Json::array())}};
+  for (const char* name : {"ranking", "probability_best"}) {
+    if (data.contains(name)) {
+      result[name] = data[name];
+    }
+  }
+  write_file(out / "result.json", result.dump(2) + "\n");
+  write_file(report, render_report(data));
+  result["report"] = report.string();
+  return result;
 }
 
 std::vector<std::string> names_in_run(const Study& study) {

@@ -3,8 +3,11 @@
 // What a run says of itself, in words and as a table.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "optimizer/search/search.h"
 #include "studies/definition/study.h"
@@ -29,6 +32,10 @@ std::string changes_text(const std::vector<std::string>& changes);
 
 /// All trials of a search with variables and scores, as CSV.
 std::string trials_csv(const Study& study, const Storage& storage);
+
+/// The report reads a run's folder, result.json too; the verdict that it comes to belongs in there.
+/// Writes both. @return the result with the verdict and the report's path
+nlohmann::ordered_json with_report(nlohmann::ordered_json result, const std::filesystem::path& out);
 
 /// What a run writes into its folder, beside the databases.
 std::vector<std::string> names_in_run(const Study& study);

@@ -14,7 +14,8 @@
 #include <nlohmann/json.hpp>
 
 #include "optimizer/algorithm/merit.h"
-#include "optimizer/front/compromise.h"
+#include "optimizer/front/choice_cost.h"
+#include "optimizer/search/trade_off.h"
 #include "studies/accuracy/chosen_accuracy.h"
 #include "studies/definition/render_methods.h"
 #include "studies/evaluation/exact_lighting.h"
@@ -29,6 +30,23 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kErrorsPerHalf = 2.0;  // as objective_noise()
 constexpr std::size_t kNoisePlaces = 24;
+
+/// Of the objectives that noise moves. @param row  one number an objective
+Json expected_json(const Study& study,
+                   const Trial& trial,
+                   const std::vector<Expectation>& row,
+                   const std::vector<std::string>& exact) {
+  Json expected = Json::object();
+  const std::vector<Objective> objectives = objectives_of(study.goal);
+  for (std::size_t k = 0; k < objectives.size(); ++k) {
+    const std::string& name = objectives[k].name;
+    const bool is_noisy = study.search.is_noisy && std::ranges::find(exact, name) == exact.end();
+    if (is_noisy || objective_noise(objectives[k], trial.outcome->scores) > 0.0) {
+      expected[name] = {{"value", row[k].mean}, {"sd", row[k].sd}};
+    }
+  }
+  return expected;
+}
 
 Json design_of_front(const Study& study, const Trial& trial) {
   const Scores& known = trial.outcome->scores;
@@ -70,22 +88,33 @@ Json noise_history(const Study& study,
   return list;
 }
 
-/// The best trial with that value of a variable.
-const Trial* best_with(const Study& study,
-                       const std::vector<Trial>& trials,
-                       std::size_t variable,
-                       double value) {
+/// The best of some trials; of several objectives the compromise of their front.
+const Trial* best_of(const Study& study,
+                     const std::vector<Trial>& trials,
+                     const std::optional<TradeOff>& front) {
+  if (front && !front->trials.empty()) {
+    return &*std::ranges::find(trials, front->trials[front->chosen], &Trial::number);
+  }
   const Trial* best = nullptr;
   for (const Trial& trial : trials) {
-    const bool is_of_kind = trial.outcome && !trial.outcome->is_failed &&
-                            trial.point[variable] == value &&
-                            problem_with(study.goal, trial.outcome->scores).empty();
-    if (is_of_kind &&
-        (best == nullptr || is_better(study.goal, trial.outcome->scores, best->outcome->scores))) {
+    if (best == nullptr || is_better(study.goal, trial.outcome->scores, best->outcome->scores)) {
       best = &trial;
     }
   }
   return best;
+}
+
+/// Those that succeeded with that value of a variable.
+std::vector<Trial> trials_with(const Study& study,
+                               const std::vector<Trial>& trials,
+                               std::size_t variable,
+                               double value) {
+  std::vector<Trial> of_kind;
+  std::ranges::copy_if(trials, std::back_inserter(of_kind), [&](const Trial& trial) {
+    return trial.outcome && !trial.outcome->is_failed && trial.point[variable] == value &&
+           problem_with(study.goal, trial.outcome->scores).empty();
+  });
+  return of_kind;
 }
 
 /// Empty where the goal cannot be judged with what came out.
@@ -100,11 +129,78 @@ std::optional<Scores> rescored(SceneStore& store, const Study& study, const Poin
   }
 }
 
-struct Finalist {
+struct KindFinalist {
   std::string kind;
-  const Trial* trial = nullptr;
+  Trial trial;
   Scores fresh;
+  std::optional<TradeOff> front = {};  ///< of the kind's trials, with several objectives
+  int on_front = 0;                    ///< of the whole front's designs
 };
+
+/// Without a value: nothing of the kind was evaluated or could be rescored.
+std::optional<KindFinalist> finalist_of(SceneStore& store,
+                                        const Study& study,
+                                        const std::vector<Trial>& of_kind,
+                                        const std::vector<double>& reference) {
+  KindFinalist finalist;
+  if (has_several_objectives(study.goal)) {
+    finalist.front = trade_off(study.goal, of_kind, reference);
+  }
+  const Trial* best = best_of(study, of_kind, finalist.front);
+  std::optional<Scores> fresh =
+      best != nullptr ? rescored(store, study, best->point) : std::optional<Scores>();
+  if (!fresh) {
+    return std::nullopt;
+  }
+  finalist.trial = *best;
+  finalist.fresh = *std::move(fresh);
+  return finalist;
+}
+
+/// One objective: the best first. Several: feasible ones by what the choice takes, one after the
+/// other, in the ranges of all of them.
+void sort_kinds(const Goal& goal, std::vector<KindFinalist>& finalists) {
+  if (!has_several_objectives(goal) || finalists.empty()) {
+    std::ranges::stable_sort(finalists, [&](const KindFinalist& a, const KindFinalist& b) {
+      return is_better(goal, a.fresh, b.fresh);
+    });
+    return;
+  }
+  std::vector<std::vector<double>> rows;
+  std::ranges::transform(finalists, std::back_inserter(rows), [&](const KindFinalist& one) {
+    return minimised_objectives(goal, one.fresh);
+  });
+  const std::vector<ObjectiveRange> ranges = objective_ranges(rows);
+  const FrontChoice choice = front_choice_of(goal);
+  std::ranges::stable_sort(finalists, {}, [&](const KindFinalist& one) {
+    return std::pair(violation(goal, one.fresh),
+                     choice_cost(minimised_objectives(goal, one.fresh), ranges, choice));
+  });
+}
+
+Json kind_json(const Study& study, const KindFinalist& finalist) {
+  Json json = {{"lighting_use", finalist.kind},
+               {"trial", finalist.trial.number},
+               {"variables", variables_json(study, finalist.trial.point)},
+               {"scores", scores_json(finalist.trial.outcome->scores)},
+               {"rescored", scores_json(finalist.fresh)},
+               {"feasible", is_feasible(study.goal, finalist.fresh)}};
+  if (finalist.front) {
+    json["hypervolume"] = finalist.front->hypervolume;
+    json["on_front"] = finalist.on_front;
+  }
+  return json;
+}
+
+/// Of the whole front's designs, by that variable's value.
+int count_on_front(const TradeOff& front,
+                   const std::vector<Trial>& trials,
+                   std::size_t variable,
+                   double value) {
+  return static_cast<int>(std::ranges::count_if(front.trials, [&](int number) {
+    return trials[static_cast<std::size_t>(number - 1)].point[variable] == value;
+  }));
+}
 
 }  // namespace
 
@@ -143,7 +239,7 @@ Json baseline_variables_json(const Study& study) {
   return json;
 }
 
-Json front_json(const Study& study, const Storage& storage) {
+Json front_json(const Study& study, const Storage& storage, const Expectations& expected) {
   const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
   const TradeOff found = trade_off(study.goal, trials, recorded_reference(storage.events()));
   const std::vector<double> reference = in_score_units(study.goal, found.reference);
@@ -158,8 +254,13 @@ Json front_json(const Study& study, const Storage& storage) {
          {"reference", value}});
     at[objectives[i].name] = value;
   }
+  const std::vector<std::string> exact = exact_lighting(study).names;
   for (const int number : found.trials) {
-    json["designs"].push_back(design_of_front(study, trials[static_cast<std::size_t>(number - 1)]));
+    const Trial& trial = trials[static_cast<std::size_t>(number - 1)];
+    json["designs"].push_back(design_of_front(study, trial));
+    if (const auto row = expected.find(number); row != expected.end()) {
+      json["designs"].back()["expected"] = expected_json(study, trial, row->second, exact);
+    }
   }
   json["hypervolume"] = found.hypervolume;
   json["noise"] = found.noise;
@@ -216,35 +317,33 @@ Outcome evaluate_candidate(SceneStore& store,
   return outcome;
 }
 
-Json best_of_each_kind(SceneStore& store, const Study& study, const std::vector<Trial>& trials) {
+Json best_of_each_kind(SceneStore& store,
+                       const Study& study,
+                       const std::vector<Trial>& trials,
+                       const std::vector<double>& reference) {
   const std::vector<Variable>& variables = study.space.variables;
   const auto found = std::ranges::find(variables, "lighting_use", &Variable::name);
-  if (found == variables.end() || has_several_objectives(study.goal)) {
+  if (found == variables.end()) {
     return nullptr;
   }
   const auto index = static_cast<std::size_t>(found - variables.begin());
-  std::vector<Finalist> finalists;
+  const bool is_front = has_several_objectives(study.goal);
+  const TradeOff whole = is_front ? trade_off(study.goal, trials, reference) : TradeOff{};
+  std::vector<KindFinalist> finalists;
   for (std::size_t kind = 0; kind < found->choices.size(); ++kind) {
-    const Trial* best = best_with(study, trials, index, static_cast<double>(kind));
-    if (best == nullptr) {
-      continue;
-    }
-    if (std::optional<Scores> fresh = rescored(store, study, best->point)) {
-      finalists.push_back({.kind = found->choices[kind], .trial = best, .fresh = *fresh});
+    const auto value = static_cast<double>(kind);
+    const std::vector<Trial> of_kind = trials_with(study, trials, index, value);
+    if (auto finalist = finalist_of(store, study, of_kind, whole.reference)) {
+      finalist->kind = found->choices[kind];
+      finalist->on_front = count_on_front(whole, trials, index, value);
+      finalists.push_back(*std::move(finalist));
     }
   }
-  std::ranges::stable_sort(finalists, [&](const Finalist& a, const Finalist& b) {
-    return is_better(study.goal, a.fresh, b.fresh);
-  });
+  sort_kinds(study.goal, finalists);
   Json kinds = Json::array();
-  for (const Finalist& finalist : finalists) {
-    kinds.push_back({{"lighting_use", finalist.kind},
-                     {"trial", finalist.trial->number},
-                     {"variables", variables_json(study, finalist.trial->point)},
-                     {"scores", scores_json(finalist.trial->outcome->scores)},
-                     {"rescored", scores_json(finalist.fresh)},
-                     {"feasible", is_feasible(study.goal, finalist.fresh)}});
-  }
+  std::ranges::transform(finalists, std::back_inserter(kinds), [&](const KindFinalist& finalist) {
+    return kind_json(study, finalist);
+  });
   return kinds;
 }
 

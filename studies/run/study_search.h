@@ -39,7 +39,8 @@ nlohmann::ordered_json baseline_variables_json(const Study& study);
 ///   objectives   [ { score, direction: "maximise" | "minimise", reference } ]
 ///   designs      the front, [ { trial, variables, scores: { name: value } of objectives and
 ///                limited scores, errors: { name: standard error } of those objectives that have
-///                one, contribution, shown, folder: see plan_front() } ]
+///                one, expected: { name: { value, sd } } of those that noise moves and a model
+///                knows, contribution, shown, folder: see plan_front() } ]
 ///   hypervolume, noise   and half the width of its interval (TradeOff)
 ///   history      hypervolume after each evaluation
 ///   noise_history  [ [evaluations, noise] ] at some of them
@@ -47,20 +48,28 @@ nlohmann::ordered_json baseline_variables_json(const Study& study);
 ///   outside      designs that are not better than the reference in every objective
 ///   chosen       { trial, by: the choice's rule, reason }; null without a front
 ///
-/// @param study  with several objectives
-nlohmann::ordered_json front_json(const Study& study, const Storage& storage);
+/// @param study     with several objectives
+/// @param expected  SearchResult::expected; empty: there is no model
+nlohmann::ordered_json front_json(const Study& study,
+                                  const Storage& storage,
+                                  const Expectations& expected = {});
 
 /// The finalists of a search that chooses among kinds of light (lighting_use is a variable): of
 /// each kind the best design, feasible ones first, scored once more with fresh random numbers and
-/// finer sampling, all in the same way and at the exposure that sensor.expose_to sets.
-/// @param trials  of the search
+/// finer sampling, all in the same way and at the exposure that sensor.expose_to sets. Of several
+/// objectives it is the compromise of the kind's own front.
+/// @param trials     of the search
+/// @param reference  of several objectives: recorded_reference(); empty: that of the trials
 /// @return [ { lighting_use, trial, variables, scores: as the search saw them, rescored: { .. },
-///           feasible: whether the rescored ones keep all limits } ], the best of the rescored
-///           first; a kind of which no evaluation succeeded, or which cannot be rescored, is left
-///           out. null without such a variable, and for several objectives, whose front tells more
+///           feasible: whether the rescored ones keep all limits, of several objectives
+///           hypervolume: of the kind's own front, and on_front: how many designs of the whole
+///           front are of this kind } ], the best of the rescored first, of several objectives
+///           what the goal's choice takes of them, then of the rest; a kind of which no evaluation
+///           succeeded, or which cannot be rescored, is left out. null without such a variable
 /// @throws IoError
 nlohmann::ordered_json best_of_each_kind(SceneStore& store,
                                          const Study& study,
-                                         const std::vector<Trial>& trials);
+                                         const std::vector<Trial>& trials,
+                                         const std::vector<double>& reference = {});
 
 }  // namespace glint

@@ -25,6 +25,15 @@ void visit_keys(KeyVisitor& keys, PathSettings& s) {
                Range::between(1, 64),
                "independent pictures that the samples of a scored picture are divided into; their "
                "scatter gives the standard error of each score; 1 = none");
+  if (keys.is_given("debias") || s.has_bias_taken_off) {
+    keys.boolean("debias",
+                 s.has_bias_taken_off,
+                 "contrasts of defects (cnr, dprime, weber, peak and the like) have the bias that "
+                 "noise gives them taken off, from the batches; needs two or more");
+  }
+  keys.require(!s.has_bias_taken_off || s.batches > 1,
+               "debias",
+               "needs two or more batches, render.paths.batches is 1");
   keys.number("relative_error",
               s.relative_error,
               Range::between(0, 1),

@@ -29,6 +29,8 @@ struct PathSettings {
   /// Independent pictures that `samples` are divided into, where scores want to know their standard
   /// error; render_paths() itself makes one picture.
   int batches = 4;
+  /// Whether contrasts of defects have the bias of noise taken off, from the same pictures.
+  bool has_bias_taken_off = false;
 
   /// > 0: pixels stop early once their standard error is below this share of their brightness.
   double relative_error = 0.0;

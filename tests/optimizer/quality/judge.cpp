@@ -55,8 +55,13 @@ Result glint_search(const std::string& name,
     const Vector seen = judge.evaluate(*point);
     algorithm->tell(*point, {.merit = seen[0], .objective = {seen[0], {}}, .objectives = seen});
     const auto expected = [&] {
-      return is_noisy && task.num_objectives == 1 ? algorithm->expected_objectives()
-                                                  : std::vector<Vector>{};
+      std::vector<Vector> means;
+      if (is_noisy && task.num_objectives == 1) {
+        for (const std::vector<Expectation>& row : algorithm->expected_objectives()) {
+          means.push_back(row.empty() ? Vector{} : Vector{row[0].mean});
+        }
+      }
+      return means;
     };
     if (judge.count() == kFirstCheck) {
       result.after_100 = judge.score(kFirstCheck, expected());

@@ -76,6 +76,7 @@ TEST(Scene, EveryKeyOfTheTableIsWritten) {
   scene.has_coverage = true;
   scene.cost = CostSettings{
       .exposure_s = 0.01, .move_s = 0.1, .per_mm2 = 0.02, .per_led = 0.5, .per_frame = 0.0};
+  scene.paths.has_bias_taken_off = true;
   const ConfigNode written = write_scene(scene);
   scene.viewpoint().base_from_flange.emplace();
   const ConfigNode by_flange = write_scene(scene);

@@ -238,6 +238,47 @@ TEST(EvaluateByPaths, RefusesWhatHasNoMeaning) {
   EXPECT_THAT(path_scores_error(unlit), HasSubstr("lighting: holds no light"));
 }
 
+/// Means over seeds of contrasts with few samples.
+Scores mean_contrasts(SceneSettings scene, bool is_debiased) {
+  scene.paths.samples = 8;
+  scene.paths.has_bias_taken_off = is_debiased;
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  constexpr int kSeeds = 40;
+  Scores mean;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    scene.paths.seed = seed;
+    const Scores scores = evaluate(store, scene, {}, {.fringes = false}).scores;
+    for (const char* name : {"defects.dent_1.cnr", "defects.min_cnr", "defects.dent_1.union"}) {
+      mean[name] += scores.at(name) / kSeeds;
+    }
+  }
+  return mean;
+}
+
+TEST(EvaluateByPaths, TheBiasOfNoiseIsTakenOffContrastsWhereTheSceneSaysSo) {
+  const SceneSettings scene = path_scene();
+  SceneSettings fine = scene;
+  fine.paths.samples = 2048;
+  const double truth = path_scores(fine).at("defects.dent_1.cnr");
+  const Scores plain = mean_contrasts(scene, false);
+  const Scores debiased = mean_contrasts(scene, true);
+  const double bias = plain.at("defects.dent_1.cnr") - truth;
+  EXPECT_GT(std::abs(bias), 0.05 * truth) << "there is a bias to take off";
+  EXPECT_LT(std::abs(debiased.at("defects.dent_1.cnr") - truth), 0.4 * std::abs(bias));
+  EXPECT_EQ(debiased.at("defects.min_cnr"), debiased.at("defects.dent_1.cnr"));
+  EXPECT_EQ(debiased.at("defects.dent_1.union"), plain.at("defects.dent_1.union"));
+}
+
+TEST(EvaluateByPaths, ABiasIsTakenOffWhetherErrorsAreWantedOrNot) {
+  SceneSettings scene = path_scene();
+  const double plain = path_scores(scene).at("defects.dent_1.weber");
+  scene.paths.has_bias_taken_off = true;
+  const double debiased = path_scores(scene).at("defects.dent_1.weber");
+  EXPECT_NE(debiased, plain);
+  EXPECT_EQ(path_scores(scene, {.errors = false}).at("defects.dent_1.weber"), debiased);
+}
+
 TEST(EvaluateByPaths, StandardErrorsAgreeWithTheScatterOverSeeds) {
   SceneSettings scene = path_scene();
   scene.paths.samples = 32;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/export/optuna_journal.h"
 
+#include <cmath>
 #include <cstdlib>
 
 #include <gmock/gmock.h>
@@ -136,17 +137,73 @@ study.optimize(lambda trial: trial.suggest_float('height', 1, 2), n_trials=1)
 assert len(study.trials) == 5
 )";
 
-TEST(OptunaJournal, IsOpenedByOptuna) {
-  const std::string python = "/usr/bin/python3 -W ignore";
-  if (std::system((python + " -c 'import optuna' 2>/dev/null").c_str()) != 0) {
-    GTEST_SKIP() << "needs Optuna: apt-get install python3-optuna";
-  }
+constexpr const char* kFrontReader = R"(
+import sys, optuna
+path = sys.argv[1]
+storage = optuna.storages.JournalStorage(optuna.storages.JournalFileStorage(path))
+study = optuna.load_study(study_name='lights', storage=storage)
+assert [d.name for d in study.directions] == ['MAXIMIZE', 'MINIMIZE'], study.directions
+assert study.trials[0].values == [4.5, 0.5], study.trials[0].values
+assert sorted(tuple(t.values) for t in study.best_trials) == [(2.0, 0.125), (4.5, 0.5)]
+)";
+
+constexpr const char* kImportanceReader = R"(
+import sys, optuna
+path = sys.argv[1]
+storage = optuna.storages.JournalStorage(optuna.storages.JournalFileStorage(path))
+study = optuna.load_study(study_name='bowl', storage=storage)
+shares = optuna.importance.get_param_importances(study)
+assert list(shares)[0] == 'steep' and shares['steep'] > 0.8, shares
+)";
+
+/// Whether a program of Python that reads a journal ends well.
+bool python_reads(const std::string& journal, const std::string& program) {
   const TemporaryFolder folder;
-  write_file(folder / "study.log", optuna_journal("lights", lights(), goal(), trials()));
-  write_file(folder / "read.py", kReader);
-  const std::string command =
-      python + " " + (folder / "read.py").string() + " " + (folder / "study.log").string();
-  EXPECT_EQ(std::system(command.c_str()), 0);
+  write_file(folder / "study.log", journal);
+  write_file(folder / "read.py", program);
+  const std::string command = "/usr/bin/python3 -W ignore " + (folder / "read.py").string() + " " +
+                              (folder / "study.log").string();
+  return std::system(command.c_str()) == 0;
+}
+
+bool has_python_module(const std::string& name) {
+  return std::system(("/usr/bin/python3 -W ignore -c 'import " + name + "' 2>/dev/null").c_str()) ==
+         0;
+}
+
+TEST(OptunaJournal, IsOpenedByOptuna) {
+  if (!has_python_module("optuna")) {
+    GTEST_SKIP() << "needs Optuna: script/bootstrap --peers";
+  }
+  EXPECT_TRUE(python_reads(optuna_journal("lights", lights(), goal(), trials()), kReader));
+}
+
+TEST(OptunaJournal, OfSeveralObjectivesHasTheSameFrontInOptuna) {
+  if (!has_python_module("optuna")) {
+    GTEST_SKIP() << "needs Optuna: script/bootstrap --peers";
+  }
+  Goal several = goal();
+  several.constraints = {};
+  several.more_objectives = {{.name = "clipped", .is_maximised = false}};
+  const std::vector<Trial> two = {trials()[0], trials()[1]};
+  EXPECT_TRUE(python_reads(optuna_journal("lights", lights(), several, two), kFrontReader));
+}
+
+TEST(OptunaJournal, IsAnalysedByOptuna) {
+  if (!has_python_module("optuna, sklearn")) {
+    GTEST_SKIP() << "needs Optuna and scikit-learn: script/bootstrap --peers";
+  }
+  const SearchSpace space = {{{.name = "steep"}, {.name = "flat"}}};
+  std::vector<Trial> even;
+  for (int i = 0; i < 40; ++i) {
+    const double steep = std::fmod(0.5 + 0.618034 * i, 1.0);
+    const double flat = (i + 0.5) / 40.0;
+    even.push_back({.number = i + 1,
+                    .point = {steep, flat},
+                    .outcome = Outcome{.scores = {{"cnr", 4.0 * steep + 0.1 * flat}}}});
+  }
+  const Goal most = {.objective = {.name = "cnr"}};
+  EXPECT_TRUE(python_reads(optuna_journal("bowl", space, most, even), kImportanceReader));
 }
 
 }  // namespace

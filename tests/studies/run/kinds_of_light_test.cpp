@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "optimizer/algorithm/merit.h"
+#include "optimizer/storage/storage.h"
 #include "studies/definition/render_methods.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/run/run.h"
@@ -76,6 +78,38 @@ TEST(BestOfEachKind, AreTheBestTrialsRescoredInTheSameWay) {
                 kinds[i]["rescored"]["defects.min_weber"].get<double>());
     }
   }
+}
+
+/// Of several objectives: the compromise of each kind's own front, in the order of the choice.
+TEST(BestOfEachKind, OfSeveralObjectivesAreTheCompromisesOfTheirFronts) {
+  const TemporaryFolder folder;
+  std::string text = kKinds;
+  text.replace(text.find("[objective]"),
+               11,
+               "[[objective]]\nmaximise = \"homogeneity.h_rms\"\n[[objective]]");
+  text.replace(text.find("evaluations = 9"), 15, "evaluations = 15");
+  const Study study = study_in(folder, text);
+  const Json result = run_study(
+      study, {.out = folder / "out", .threads = 2, .jobs = 2, .progress = Progress::Style::kNone});
+  const Json& kinds = result.at("kinds");
+  ASSERT_EQ(kinds.size(), 3U);
+  std::vector<Trial> trials = Storage::read(folder / "out/study.sqlite").trials(TrialKind::kSearch);
+  std::size_t on_front = 0;
+  for (const Json& kind : kinds) {
+    on_front += kind.at("on_front").get<std::size_t>();
+    EXPECT_GE(kind.at("hypervolume").get<double>(), 0.0);
+    EXPECT_LE(kind.at("hypervolume").get<double>(), result.at("hypervolume").get<double>());
+    EXPECT_NE(kind.at("rescored").at("defects.min_weber"),
+              kind.at("scores").at("defects.min_weber"));
+    // No trial of the kind beats it in both.
+    const Scores own = trials[kind.at("trial").get<std::size_t>() - 1].outcome->scores;
+    for (const Trial& trial : trials) {
+      const bool is_of_kind =
+          trial.point[0] == trials[kind.at("trial").get<std::size_t>() - 1].point[0];
+      EXPECT_FALSE(is_of_kind && is_better(study.goal, trial.outcome->scores, own));
+    }
+  }
+  EXPECT_EQ(on_front, result.at("front").size());
 }
 
 TEST(BestOfEachKind, OfASearchWithoutKindsIsNothing) {

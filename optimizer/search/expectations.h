@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What the model of a search expects of its designs without the noise of their evaluations, and
+// which of them are worth evaluating once more.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "optimizer/algorithm/answer.h"
+#include "optimizer/problem/goal.h"
+#include "optimizer/problem/space.h"
+#include "optimizer/problem/trial.h"
+
+namespace glint {
+
+/// One number an objective, in the unit and direction of the scores, by the number of the trial.
+using Expectations = std::map<int, std::vector<Expectation>>;
+
+/// Whether an objective of some trial tells how far noise moves it (objective_noise()).
+bool tells_noise(const Goal& goal, std::span<const Trial> trials);
+
+/// @param told  numbers of trials in the order of telling; of one told twice the last counts
+/// @param rows  one for each of them: Algorithm::expected_objectives(); empty: no model
+Expectations expectations_of(const Goal& goal,
+                             std::span<const int> told,
+                             std::span<const std::vector<Expectation>> rows);
+
+/// The trials of one objective that are most likely the best: feasible ones by what is expected of
+/// them, else by what was seen, the best first. Of two that differ by less than 1 % of the range in
+/// every variable the worse is left out.
+/// @param space  checked
+/// @param first  the number of a feasible trial that is taken in any case, first
+/// @param count  >= 1, so many at most
+/// @return numbers of trials
+std::vector<int> finalists_of(const Goal& goal,
+                              const SearchSpace& space,
+                              std::span<const Trial> trials,
+                              const Expectations& expected,
+                              int first,
+                              std::size_t count);
+
+}  // namespace glint

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The last word on a noisy search: its finalists, and designs that it is compared with, are
+// evaluated with random numbers that the search has not seen, the same ones for all.
+//
+// Round by round every design that is still in the race is evaluated again; one that would be
+// better than the best so far in fewer than 1 % of the samples of the means is given up. Samples
+// draw the replicates with replacement, the same ones for all designs (common random numbers), and
+// widen what they draw to Student's distribution. Each replicate is an event and a trial of the
+// study's database: what is there is not evaluated again, so a race that is cut short goes on, and
+// a larger one has all of the smaller one.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "optimizer/problem/goal.h"
+#include "optimizer/problem/trial.h"
+#include "optimizer/storage/storage.h"
+
+namespace glint {
+
+/// Replicates of a design before the first one is given up, and at the end.
+inline constexpr int kFirstReplicates = 4;
+inline constexpr int kAllReplicates = 8;
+
+struct Entrant {
+  std::string key;   ///< names the design and what it is, for ever: replicates are kept under it
+  int trial = 0;     ///< of the search; 0: what the search is compared with
+  Point point = {};  ///< of a trial
+};
+
+struct Racer {
+  std::vector<Scores> replicates;
+  bool is_given_up = false;  ///< also one that could not be evaluated
+  bool keeps_limits = true;  ///< by the means of its replicates
+  double probability = 0.0;  ///< of being the best of all, 0 where given up
+};
+
+struct FinalRace {
+  std::vector<Racer> racers;  ///< one per entrant
+  std::size_t best = 0;       ///< index of the best one that is a trial
+  int evaluations = 0;        ///< replicates of all
+};
+
+/// Designs that race where Budget::race does not say: one of twelve evaluations, 2 to 8.
+int race_size(int evaluations);
+
+/// Evaluates a design with the random numbers of that replicate. What it throws as glint::Error
+/// takes the design out of the race, except IoError and EvaluationAborted.
+using EvaluateReplicate = std::function<Scores(const Entrant& entrant, int replicate)>;
+
+/// @param entrants  at least one that is a trial
+/// @return empty: interrupted
+/// @throws IoError
+std::optional<FinalRace> run_final_race(const Goal& goal,
+                                        const std::vector<Entrant>& entrants,
+                                        Storage& storage,
+                                        const EvaluateReplicate& evaluate,
+                                        const std::atomic<int>* interrupt = nullptr);
+
+}  // namespace glint

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/run/search_race.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/text.h"
+#include "metrics/statistics/quantiles.h"
+#include "optimizer/algorithm/merit.h"
+#include "optimizer/search/final_race.h"
+#include "studies/run/repeated_scores.h"
+#include "studies/run/study_search.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// As objective_noise().
+constexpr double kErrorsPerHalfWidth = 2.0;
+constexpr double kConfident = 0.975;
+
+/// Who races, as the result names it.
+struct NamedEntrant {
+  Entrant entrant;
+  std::string key;
+  std::string title;
+  SceneSettings scene;
+};
+
+int num_finalists(const Study& study, const SearchResult& search) {
+  return study.budget.race.value_or(study.search.is_noisy ? race_size(search.evaluations) : 0);
+}
+
+/// Two scenes are one design only if nothing of them differs.
+std::string design_key(const std::string& name, const SceneSettings& scene) {
+  return name + " " + sha256_hex(to_toml(write_scene(scene)));
+}
+
+std::vector<NamedEntrant> entrants_of(const Study& study,
+                                      const std::vector<Trial>& trials,
+                                      const SearchResult& search) {
+  std::vector<NamedEntrant> all;
+  bool has_baseline = false;
+  for (const int number : finalists_of(study.goal,
+                                       study.space,
+                                       trials,
+                                       search.expected,
+                                       search.best->number,
+                                       static_cast<std::size_t>(num_finalists(study, search)))) {
+    const Point& point = trials[static_cast<std::size_t>(number - 1)].point;
+    has_baseline = has_baseline || point == canonical(study.space, baseline_point(study));
+    all.push_back(
+        {.entrant = {.key = fmt::format("trial {}", number), .trial = number, .point = point},
+         .key = fmt::format("trial_{:03}", number),
+         .title = fmt::format("Evaluation {}", number),
+         .scene = scene_with(study, overrides_of(study, point))});
+  }
+  const auto add = [&](const std::string& key, const std::string& title, SceneSettings scene) {
+    Entrant entrant{.key = design_key(key, scene)};
+    all.push_back({std::move(entrant), key, title, std::move(scene)});
+  };
+  if (!has_baseline) {
+    add("baseline", "Baseline", study.scene);
+  }
+  for (const Prototype& prototype : study.prototypes) {
+    add(prototype.name, prototype.title, scene_with(study, prototype.overrides));
+  }
+  return all;
+}
+
+std::vector<double> values_of(const std::vector<Scores>& scans, const std::string& score) {
+  std::vector<double> values;
+  std::ranges::transform(
+      scans, std::back_inserter(values), [&](const Scores& one) { return one.at(score); });
+  return values;
+}
+
+/// Standard error of one evaluation, of what the score tells.
+double told_error(const Objective& objective, const Scores& scores) {
+  return objective_noise(objective, scores) / kErrorsPerHalfWidth;
+}
+
+const Expectation* expectation_of(const SearchResult& search, int trial) {
+  const auto found = search.expected.find(trial);
+  return found == search.expected.end() ? nullptr : &found->second.front();
+}
+
+void add_expectation(const Expectation* expected, Json& json) {
+  if (expected != nullptr) {
+    json["expected"] = expected->mean;
+    json["expected_sd"] = expected->sd;
+  }
+}
+
+/// What the search knows of a finalist.
+void add_searched(const Study& study, const SearchResult& search, const Trial& trial, Json& row) {
+  row["trial"] = trial.number;
+  row["variables"] = variables_json(study, trial.point);
+  row["searched"] = trial.outcome->scores.at(study.goal.objective.name);
+  add_expectation(expectation_of(search, trial.number), row);
+}
+
+void add_raced(const Study& study, const Racer& racer, double error, Json& row) {
+  row["replicates"] = racer.replicates.size();
+  if (racer.replicates.size() > 1) {
+    const Estimate value =
+        told_value(values_of(racer.replicates, study.goal.objective.name), error, nullptr);
+    row["value"] = value.value;
+    row["low"] = value.low;
+    row["high"] = value.high;
+  }
+  row["keeps_limits"] = racer.keeps_limits;
+  row["given_up"] = racer.is_given_up;
+  row["probability"] = racer.probability;
+}
+
+Json race_json(const Study& study,
+               const std::vector<Trial>& trials,
+               const SearchResult& search,
+               const std::vector<NamedEntrant>& entrants,
+               const FinalRace& race) {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < entrants.size(); ++i) {
+    const NamedEntrant& named = entrants[i];
+    Json row = {{"key", i == race.best ? "winner" : named.key},
+                {"title", i == race.best ? "Winner of the search" : named.title}};
+    double error = 0.0;
+    if (named.entrant.trial > 0) {
+      const Trial& trial = trials[static_cast<std::size_t>(named.entrant.trial - 1)];
+      error = told_error(study.goal.objective, trial.outcome->scores);
+      add_searched(study, search, trial, row);
+    }
+    add_raced(study, race.racers[i], error, row);
+    rows.push_back(std::move(row));
+  }
+  std::stable_sort(rows.begin(), rows.end(), [](const Json& a, const Json& b) {
+    return a["probability"].get<double>() > b["probability"].get<double>();
+  });
+  const auto num_finalists = std::ranges::count_if(
+      entrants, [](const NamedEntrant& one) { return one.entrant.trial > 0; });
+  return {{"finalists", num_finalists},
+          {"replicates", kAllReplicates},
+          {"evaluations", race.evaluations},
+          {"searched", search.best->number},
+          {"entrants", std::move(rows)}};
+}
+
+std::string figure(const Json& row, const char* name) {
+  return row.contains(name) && row[name].is_number()
+             ? fmt::format("{:.4g}", row[name].get<double>())
+             : std::string("\u2013");
+}
+
+std::string share_text(const Json& row) {
+  return row["given_up"].get<bool>()
+             ? std::string("given up")
+             : fmt::format("{:.0f} %", 100.0 * row["probability"].get<double>());
+}
+
+Json race_table(const Json& race) {
+  Json rows = Json::array();
+  for (const Json& row : race["entrants"]) {
+    const std::string expected =
+        row.contains("expected") ? figure(row, "expected") + " \u00b1 " + figure(row, "expected_sd")
+                                 : std::string("\u2013");
+    const std::string interval = figure(row, "low") + " to " + figure(row, "high");
+    rows.push_back({row["title"],
+                    figure(row, "searched"),
+                    expected,
+                    std::to_string(row["replicates"].get<int>()),
+                    figure(row, "value"),
+                    interval,
+                    row["keeps_limits"].get<bool>() ? "yes" : "no",
+                    share_text(row)});
+  }
+  return {{"caption", "The race of the finalists"},
+          {"head",
+           {"design",
+            "seen by the search",
+            "expected",
+            "replicates",
+            "mean",
+            "95 %",
+            "within limits",
+            "best"}},
+          {"rows", rows}};
+}
+
+std::string told_text(const Json& told) {
+  std::string text = fmt::format(
+      "The winner's {} is {} (95 %: {} to {}) over random numbers that "
+      "nothing was chosen by; the search saw {}",
+      told["score"].get<std::string>(),
+      figure(told, "value"),
+      figure(told, "low"),
+      figure(told, "high"),
+      figure(told, "seen"));
+  if (told.contains("expected")) {
+    text += fmt::format(
+        ", its model expects {} \u00b1 {}", figure(told, "expected"), figure(told, "expected_sd"));
+  }
+  return text + ".";
+}
+
+std::string race_text(const Json& race) {
+  return fmt::format(
+      " {} finalists raced with fresh random numbers, the same ones for all, and with what they "
+      "are compared with: {} evaluations beside the search's, at most {} of a design. One that "
+      "would lead in less than 1 % of the samples was given up.",
+      race["finalists"].get<int>(),
+      race["evaluations"].get<int>(),
+      race["replicates"].get<int>());
+}
+
+}  // namespace
+
+bool has_race(const Study& study, const SearchResult& search) {
+  return study.has_search() && study.has_objective && !has_several_objectives(study.goal) &&
+         search.best && search.is_feasible && num_finalists(study, search) > 0;
+}
+
+Json race_finalists(SceneStore& store,
+                    const Study& study,
+                    Storage& storage,
+                    SearchResult& search,
+                    const std::atomic<int>* interrupt) {
+  const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+  const std::vector<NamedEntrant> named = entrants_of(study, trials, search);
+  std::vector<Entrant> entrants;
+  std::ranges::transform(named, std::back_inserter(entrants), &NamedEntrant::entrant);
+  const WantedScores wanted = wanted_of_repeats(study);
+  const auto evaluate = [&](const Entrant& entrant, int replicate) {
+    const auto index = static_cast<std::size_t>(
+        std::ranges::find(entrants, entrant.key, &Entrant::key) - entrants.begin());
+    // The first repeated scans are the winner's own, which it must not be chosen by.
+    return repeated_scan(
+        store, first_view(store, named[index].scene), wanted, kRepeatedScans + replicate);
+  };
+  const std::optional<FinalRace> race =
+      run_final_race(study.goal, entrants, storage, evaluate, interrupt);
+  if (!race) {
+    return nullptr;
+  }
+  Json json = race_json(study, trials, search, named, *race);
+  const int best = entrants[race->best].trial;
+  search.best = trials[static_cast<std::size_t>(best - 1)];
+  Json chances = Json::array();
+  for (const Json& row : json["entrants"]) {
+    chances.push_back(
+        {{"key", row["key"]}, {"title", row["title"]}, {"probability", row["probability"]}});
+  }
+  json["probability_best"] = std::move(chances);
+  return json;
+}
+
+Estimate told_value(std::span<const double> values, double error, const Expectation* expected) {
+  const auto n = static_cast<double>(values.size());
+  const double mean = mean_of(values).value;
+  double squares = 0.0;
+  for (const double value : values) {
+    squares += (value - mean) * (value - mean);
+  }
+  const double variance = std::max(squares / (n - 1.0), error * error);
+  if (variance <= 0.0) {
+    return {mean, mean, mean};
+  }
+  double weight = n / variance;
+  double value = mean;
+  if (expected != nullptr) {
+    const double of_model = 1.0 / (expected->sd * expected->sd + variance);
+    value = (weight * mean + of_model * expected->mean) / (weight + of_model);
+    weight += of_model;
+  }
+  const double half = t_quantile(kConfident, n - 1.0) / std::sqrt(weight);
+  return {value, value - half, value + half};
+}
+
+Json told_winner(const Study& study, const SearchResult& search, const Json& winner) {
+  if (has_several_objectives(study.goal) || !study.has_objective) {
+    return nullptr;
+  }
+  const Objective& objective = study.goal.objective;
+  const Scores& seen = search.best->outcome->scores;
+  const double error = told_error(objective, seen);
+  const Json repeated = winner.value("repeated", Json::object());
+  if (!repeated.contains(objective.name) || repeated[objective.name].size() < 2 ||
+      (!study.search.is_noisy && error <= 0.0)) {
+    return nullptr;
+  }
+  const auto scans = repeated[objective.name].get<std::vector<double>>();
+  const Expectation* expected = expectation_of(search, search.best->number);
+  const Estimate value = told_value(scans, error, expected);
+  Json told = {{"score", objective.name}, {"seen", seen.at(objective.name)}};
+  add_expectation(expected, told);
+  told["value"] = value.value;
+  told["low"] = value.low;
+  told["high"] = value.high;
+  return told;
+}
+
+Json noise_panel(const Json& race, const Json& told) {
+  std::string lead = told.is_object() ? told_text(told) : std::string();
+  Json tables = Json::array();
+  if (race.is_object()) {
+    lead += race_text(race);
+    tables.push_back(race_table(race));
+  }
+  return {{"id", "noise"}, {"title", "What noise leaves"}, {"lead", lead}, {"tables", tables}};
+}
+
+}  // namespace glint

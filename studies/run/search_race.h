@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What noise leaves of a search's winner: a race of its finalists with fresh random numbers
+// (optimizer/search/final_race.h), and the value that the winner truly has. Both are of one
+// objective; of several the front is scored again (studies/front).
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <span>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "metrics/statistics/estimate.h"
+#include "optimizer/search/search.h"
+#include "studies/definition/study.h"
+#include "studies/evaluation/evaluation.h"
+
+namespace glint {
+
+/// Whether its finalists race: [budget] race says so or, without it, [search] noisy; and the search
+/// has found a design within the limits.
+bool has_race(const Study& study, const SearchResult& search);
+
+/// Races the finalists of a search, its prototypes, and its baseline where it is no finalist. The
+/// best finalist becomes the search's best.
+///
+/// @return { finalists, replicates: of a design at most, evaluations, searched: the search's own
+///         best trial, entrants: [ { key: "winner" | "trial_017" | "baseline" | a prototype's name,
+///         title, trial, variables (of finalists), searched, expected, expected_sd (where a model
+///         knows them), replicates, value, low, high: mean and 95 % interval of the objective,
+///         keeps_limits, given_up, probability } ], the most probable first; probability_best: [ {
+///         key, title, probability } ] }; null: interrupted
+/// @throws IoError
+nlohmann::ordered_json race_finalists(SceneStore& store,
+                                      const Study& study,
+                                      Storage& storage,
+                                      SearchResult& search,
+                                      const std::atomic<int>* interrupt);
+
+/// A score on average over random numbers, with its 95 % interval: from evaluations that nothing
+/// was chosen by, and from the model's expectation, weighted by what each knows. One evaluation
+/// scatters by as much as they do among themselves, and by no less than the score itself says; the
+/// model knows the score for the random numbers of the search, which are off by as much as one
+/// evaluation.
+/// @param values    two or more
+/// @param error     standard error of one evaluation that the score tells; 0: none
+/// @param expected  nullptr: there is no model
+Estimate told_value(std::span<const double> values, double error, const Expectation* expected);
+
+/// What is told of the winner of one noisy objective: { score, seen: by the search, expected,
+/// expected_sd (where a model knows them), value, low, high: told_value() of its repeated scans };
+/// null where it was not scanned repeatedly or scores are not noisy.
+/// @param winner  its scores.json
+nlohmann::ordered_json told_winner(const Study& study,
+                                   const SearchResult& search,
+                                   const nlohmann::ordered_json& winner);
+
+/// A section of the report. @param race, told  may be null
+nlohmann::ordered_json noise_panel(const nlohmann::ordered_json& race,
+                                   const nlohmann::ordered_json& told);
+
+}  // namespace glint

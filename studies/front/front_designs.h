@@ -17,7 +17,7 @@ Scores scores_from_json(const nlohmann::ordered_json& json);
 /// Designs of a front that are written with all their pictures and scored again, the chosen one
 /// among them; and of the others those that get a small picture.
 inline constexpr int kFullDesigns = 12;
-inline constexpr int kThumbnailDesigns = 60;
+inline constexpr int kThumbnailDesigns = 240;
 
 /// Adds to each design of a front:
 ///   contribution  the hypervolume that is lost without it

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/front/front_page.h"
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -76,6 +78,39 @@ bool halve_sequences(Json& designs) {
   return is_shorter;
 }
 
+/// Designs with a small picture, the one that adds least to the hypervolume first.
+std::vector<Json*> by_contribution(Json& front) {
+  std::vector<Json*> designs;
+  for (Json& design : front["designs"]) {
+    if (design.contains("thumbnail")) {
+      designs.push_back(&design);
+    }
+  }
+  std::ranges::stable_sort(
+      designs, {}, [](const Json* design) { return (*design)["contribution"].get<double>(); });
+  return designs;
+}
+
+/// @return how many designs lost their small picture and drawing
+int drop_thumbnails(Json& data, std::size_t max_bytes) {
+  std::size_t bytes = text_bytes(data);
+  int dropped = 0;
+  if (bytes <= max_bytes || !data.contains("front")) {
+    return dropped;
+  }
+  for (Json* design : by_contribution(data["front"])) {
+    if (bytes <= max_bytes) {
+      break;
+    }
+    const std::size_t before = text_bytes(*design);
+    design->erase("thumbnail");
+    design->erase("drawing");
+    bytes -= before - text_bytes(*design);
+    ++dropped;
+  }
+  return dropped;
+}
+
 }  // namespace
 
 void add_front_to_page(const fs::path& run,
@@ -107,6 +142,12 @@ void limit_sequences(Json& data, std::size_t max_bytes) {
         fmt::format("Of each sequence every {} image is shown, so that this page stays small; the "
                     "folders of the designs hold all.",
                     step == 2 ? "second" : fmt::format("{}th", step)));
+  }
+  if (const int dropped = drop_thumbnails(data, max_bytes); dropped > 0) {
+    data["methods"].push_back(
+        fmt::format("The pictures of {} designs of the front that add least to the hypervolume are "
+                    "left out, so that this page stays small; their folders hold them.",
+                    dropped));
   }
 }
 

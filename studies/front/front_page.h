@@ -33,7 +33,8 @@ void add_front_to_page(const std::filesystem::path& run,
                        nlohmann::ordered_json& front);
 
 /// Takes frames out of the sequences of a page's designs, every second one at a time, until its
-/// texts take at most so many bytes or single frames are left; `methods` then says so.
+/// texts take at most so many bytes or single frames are left; then the small pictures and drawings
+/// of the front's designs, those that add least to the hypervolume first. `methods` says so.
 /// @param data  as in studies/report/report.h
 void limit_sequences(nlohmann::ordered_json& data, std::size_t max_bytes);
 

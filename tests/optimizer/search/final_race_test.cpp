@@ -102,7 +102,7 @@ TEST_F(FinalRaceTest, OneThatCannotBeEvaluatedIsOutAndIsNotTriedAgain) {
     const auto found = run_final_race(kMostGain, entrants, storage, evaluate);
     EXPECT_EQ(found->best, 1U);
     EXPECT_TRUE(found->racers[0].is_given_up);
-    EXPECT_DOUBLE_EQ(found->racers[1].probability, 1.0);
+    EXPECT_NEAR(found->racers[1].probability, 1.0, 1e-9);
   }
   EXPECT_EQ(tried, 1);
 }
@@ -190,19 +190,21 @@ TEST_F(FinalRaceTest, ASearchGoesOnAfterItAsIfThereHadBeenNone) {
   EXPECT_EQ(of_search(raced), of_search(Storage::read(whole / "s.sqlite")));
 }
 
-/// Finalists of a search whose numbers were fooled by noise: chances as stated, joint test at 1 %.
-TEST(FinalRace, ProbabilitiesAreWhatIsObserved) {
+/// Four designs, true values spread as the noise of their replicates: chances as stated, joint test
+/// at 1 %.
+TEST_F(FinalRaceTest, ProbabilitiesAreWhatIsObserved) {
+  Storage storage = Storage::open(folder_ / "s.sqlite", test::identity());
   double stated = 0.0;
   double variance = 0.0;
   double observed = 0.0;
-  for (int i = 0; i < 400; ++i) {
-    const TemporaryFolder folder;
-    Storage storage = Storage::open(folder / "s.sqlite", test::identity());
+  constexpr int kCases = 150;
+  for (int i = 0; i < kCases; ++i) {
     NoisyBench bench{.sigma = 1.0, .seed = 100 + static_cast<std::uint64_t>(i)};
     std::vector<Entrant> entrants;
     for (int k = 1; k <= 4; ++k) {
       bench.truth[k] = 1.06 * normal(5000 + static_cast<std::uint64_t>(i), k);
       entrants.push_back(trial_of(k));
+      entrants.back().key += " of case " + std::to_string(i);
     }
     const auto best =
         std::ranges::max_element(bench.truth, {}, [](const auto& entry) { return entry.second; });
@@ -213,7 +215,7 @@ TEST(FinalRace, ProbabilitiesAreWhatIsObserved) {
     observed += entrants[found->best].trial == best->first ? 1.0 : 0.0;
   }
   EXPECT_LT(std::abs(observed - stated), 2.58 * std::sqrt(variance));
-  EXPECT_LT(stated, 380.0) << "some are close, or the test shows nothing";
+  EXPECT_LT(stated, 0.95 * kCases) << "some are close, or the test shows nothing";
 }
 
 TEST(RaceSize, IsOneOfTwelveEvaluationsBetweenTwoAndEight) {

@@ -62,7 +62,7 @@ TEST(PlanFront, ShowsTheLargestContributionsInFullAndTheChosenOneAlways) {
                 {"reference", {{"even", 0.0}, {"width", 1000.0}}},
                 {"chosen", {{"trial", 1}}}};
   // Steps that grow: later designs contribute more, the first one least.
-  for (int k = 0; k < 80; ++k) {
+  for (int k = 0; k < 300; ++k) {
     front["designs"].push_back(design(k + 1, 1.0 + k * k, 10.0 + k));
   }
   plan_front(goal_of_two(), front);
@@ -70,7 +70,7 @@ TEST(PlanFront, ShowsTheLargestContributionsInFullAndTheChosenOneAlways) {
     return front["designs"][static_cast<std::size_t>(trial - 1)]["shown"];
   };
   EXPECT_EQ(shown(1), "full");
-  EXPECT_EQ(shown(80), "full");
+  EXPECT_EQ(shown(300), "full");
   EXPECT_EQ(shown(2), "none");
   int full = 0;
   int small = 0;
@@ -176,6 +176,29 @@ TEST(LimitSequences, KeepsWhatFitsAndSaysWhatIsLeftOut) {
   EXPECT_EQ(data["designs"][1]["frames"].size(), 1U);
   EXPECT_NE(data["methods"][0].get<std::string>().find("every 4th image"), std::string::npos);
   EXPECT_LE(data.dump().size(), 8'000U);
+}
+
+TEST(LimitSequences, DropsTheSmallPicturesThatMatterLeastWhereFramesAreNotEnough) {
+  Json data = {{"designs", Json::array()},
+               {"methods", Json::array()},
+               {"front", {{"designs", Json::array()}}}};
+  for (int k = 0; k < 10; ++k) {
+    data["front"]["designs"].push_back({{"trial", k},
+                                        {"contribution", (7 * k) % 10},
+                                        {"thumbnail", std::string(900, 'x')},
+                                        {"drawing", "<svg>"}});
+  }
+  limit_sequences(data, 5'000);
+  int kept = 0;
+  for (const Json& one : data["front"]["designs"]) {
+    const bool has_picture = one.contains("thumbnail");
+    kept += has_picture ? 1 : 0;
+    EXPECT_EQ(has_picture, one["contribution"].get<int>() >= 6) << one["trial"];
+    EXPECT_EQ(one.contains("drawing"), has_picture);
+  }
+  EXPECT_EQ(kept, 4);
+  EXPECT_NE(data["methods"].back().get<std::string>().find("pictures of 6 designs"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 
 #include "core/rng.h"
 #include "metrics/lighting_scores.h"
+#include "metrics/statistics/told_value.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/front/front.h"
 
@@ -152,6 +153,27 @@ std::optional<double> volume_noise(const std::vector<Rescored>& designs, const R
   return std::sqrt(squares);
 }
 
+/// Of the objectives that were scanned repeatedly. @param repeated  of scores.json
+Json told_values(const Goal& goal, const Json& repeated, const Json& design) {
+  Json told = Json::object();
+  for (const Objective& objective : objectives_of(goal)) {
+    const Json scans = repeated.value(objective.name, Json::array());
+    if (scans.size() < 2) {
+      continue;
+    }
+    const double error = design.value("errors", Json::object()).value(objective.name, 0.0);
+    std::optional<ModelledScore> model;
+    if (const Json known = design.value("expected", Json::object());
+        known.contains(objective.name)) {
+      model =
+          ModelledScore{.mean = known[objective.name]["value"], .sd = known[objective.name]["sd"]};
+    }
+    const Estimate value = told_value(scans.get<std::vector<double>>(), error, model);
+    told[objective.name] = {{"value", value.value}, {"low", value.low}, {"high", value.high}};
+  }
+  return told;
+}
+
 }  // namespace
 
 Scores scores_from_json(const Json& json) {
@@ -211,6 +233,9 @@ void add_rescored(const Goal& goal, const Json& written, Json& design) {
   }
   design["rescored"] = scores;
   design["rescored_errors"] = errors;
+  if (Json told = told_values(goal, repeated, design); !told.empty()) {
+    design["told"] = std::move(told);
+  }
   if (!goal.constraints.empty()) {
     design["keeps_limits"] = is_feasible(goal, scores_from_json(fresh));
   }

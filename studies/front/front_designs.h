@@ -32,6 +32,9 @@ void plan_front(const Goal& goal, nlohmann::ordered_json& front);
 ///   rescored_errors  their standard errors: the score's own, else the standard deviation of the
 ///                    scans with other noise, 0 of scores of the lighting, which follow from
 ///                    settings; absent for a score that has none of these
+///   told             { objective: { value, low, high } }, told_value() of the scans with other
+///   noise
+///                    and of what the search's model expects; absent without such scans
 ///   keeps_limits     whether these scores are within all limits; absent without limits
 /// Nothing where the design was not scored again.
 /// @param written  the object of its scores.json

@@ -23,6 +23,7 @@
 #include "studies/run/design_files.h"
 #include "studies/run/repeated_scores.h"
 #include "studies/run/run_costs.h"
+#include "studies/run/search_race.h"
 #include "studies/tolerance/built_designs.h"
 
 namespace glint {
@@ -243,6 +244,8 @@ class Check {
     search_ = study_.has_search() ? predicted_search(study_.budget, sample_.evaluation_s, at_once())
                                   : PredictedSearch();
     costs_.search_s = accurate_.cpu_s + (search_ ? search_->cpu_s : 0.0);
+    costs_.rescoring_s +=
+        sample_.evaluation_s * likely_replicates(study_, search_ ? search_->evaluations : 0);
     costs_.manufacture_s = has_manufacture() ? sample_.evaluation_s * kMaxBuiltDesigns : 0.0;
     return result();
   }

@@ -2,8 +2,8 @@
 #include "studies/run/search_race.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
-#include "metrics/statistics/quantiles.h"
+#include "metrics/statistics/told_value.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/search/final_race.h"
 #include "studies/run/repeated_scores.h"
@@ -24,7 +24,6 @@ using Json = nlohmann::ordered_json;
 
 /// As objective_noise().
 constexpr double kErrorsPerHalfWidth = 2.0;
-constexpr double kConfident = 0.975;
 
 /// Who races, as the result names it.
 struct NamedEntrant {
@@ -34,8 +33,12 @@ struct NamedEntrant {
   SceneSettings scene;
 };
 
-int num_finalists(const Study& study, const SearchResult& search) {
-  return study.budget.race.value_or(study.search.is_noisy ? race_size(search.evaluations) : 0);
+int num_finalists(const Study& study, int evaluations) {
+  return study.budget.race.value_or(study.search.is_noisy ? race_size(evaluations) : 0);
+}
+
+bool can_race(const Study& study) {
+  return study.has_search() && study.has_objective && !has_several_objectives(study.goal);
 }
 
 /// Two scenes are one design only if nothing of them differs.
@@ -48,12 +51,13 @@ std::vector<NamedEntrant> entrants_of(const Study& study,
                                       const SearchResult& search) {
   std::vector<NamedEntrant> all;
   bool has_baseline = false;
-  for (const int number : finalists_of(study.goal,
-                                       study.space,
-                                       trials,
-                                       search.expected,
-                                       search.best->number,
-                                       static_cast<std::size_t>(num_finalists(study, search)))) {
+  for (const int number :
+       finalists_of(study.goal,
+                    study.space,
+                    trials,
+                    search.expected,
+                    search.best->number,
+                    static_cast<std::size_t>(num_finalists(study, search.evaluations)))) {
     const Point& point = trials[static_cast<std::size_t>(number - 1)].point;
     has_baseline = has_baseline || point == canonical(study.space, baseline_point(study));
     all.push_back(
@@ -87,13 +91,16 @@ double told_error(const Objective& objective, const Scores& scores) {
   return objective_noise(objective, scores) / kErrorsPerHalfWidth;
 }
 
-const Expectation* expectation_of(const SearchResult& search, int trial) {
+std::optional<ModelledScore> expectation_of(const SearchResult& search, int trial) {
   const auto found = search.expected.find(trial);
-  return found == search.expected.end() ? nullptr : &found->second.front();
+  if (found == search.expected.end()) {
+    return std::nullopt;
+  }
+  return ModelledScore{.mean = found->second.front().mean, .sd = found->second.front().sd};
 }
 
-void add_expectation(const Expectation* expected, Json& json) {
-  if (expected != nullptr) {
+void add_expectation(const std::optional<ModelledScore>& expected, Json& json) {
+  if (expected) {
     json["expected"] = expected->mean;
     json["expected_sd"] = expected->sd;
   }
@@ -111,7 +118,7 @@ void add_raced(const Study& study, const Racer& racer, double error, Json& row) 
   row["replicates"] = racer.replicates.size();
   if (racer.replicates.size() > 1) {
     const Estimate value =
-        told_value(values_of(racer.replicates, study.goal.objective.name), error, nullptr);
+        told_value(values_of(racer.replicates, study.goal.objective.name), error);
     row["value"] = value.value;
     row["low"] = value.low;
     row["high"] = value.high;
@@ -222,8 +229,14 @@ std::string race_text(const Json& race) {
 }  // namespace
 
 bool has_race(const Study& study, const SearchResult& search) {
-  return study.has_search() && study.has_objective && !has_several_objectives(study.goal) &&
-         search.best && search.is_feasible && num_finalists(study, search) > 0;
+  return can_race(study) && search.best && search.is_feasible &&
+         num_finalists(study, search.evaluations) > 0;
+}
+
+int likely_replicates(const Study& study, int evaluations) {
+  const int finalists = can_race(study) ? num_finalists(study, evaluations) : 0;
+  const auto others = static_cast<int>(study.prototypes.size());
+  return finalists > 0 ? kAllReplicates + kFirstReplicates * (finalists + others) : 0;
 }
 
 Json race_finalists(SceneStore& store,
@@ -260,28 +273,6 @@ Json race_finalists(SceneStore& store,
   return json;
 }
 
-Estimate told_value(std::span<const double> values, double error, const Expectation* expected) {
-  const auto n = static_cast<double>(values.size());
-  const double mean = mean_of(values).value;
-  double squares = 0.0;
-  for (const double value : values) {
-    squares += (value - mean) * (value - mean);
-  }
-  const double variance = std::max(squares / (n - 1.0), error * error);
-  if (variance <= 0.0) {
-    return {mean, mean, mean};
-  }
-  double weight = n / variance;
-  double value = mean;
-  if (expected != nullptr) {
-    const double of_model = 1.0 / (expected->sd * expected->sd + variance);
-    value = (weight * mean + of_model * expected->mean) / (weight + of_model);
-    weight += of_model;
-  }
-  const double half = t_quantile(kConfident, n - 1.0) / std::sqrt(weight);
-  return {value, value - half, value + half};
-}
-
 Json told_winner(const Study& study, const SearchResult& search, const Json& winner) {
   if (has_several_objectives(study.goal) || !study.has_objective) {
     return nullptr;
@@ -295,7 +286,7 @@ Json told_winner(const Study& study, const SearchResult& search, const Json& win
     return nullptr;
   }
   const auto scans = repeated[objective.name].get<std::vector<double>>();
-  const Expectation* expected = expectation_of(search, search.best->number);
+  const std::optional<ModelledScore> expected = expectation_of(search, search.best->number);
   const Estimate value = told_value(scans, error, expected);
   Json told = {{"score", objective.name}, {"seen", seen.at(objective.name)}};
   add_expectation(expected, told);

@@ -7,11 +7,9 @@
 
 #include <atomic>
 #include <optional>
-#include <span>
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "metrics/statistics/estimate.h"
 #include "optimizer/search/search.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
@@ -21,6 +19,9 @@ namespace glint {
 /// Whether its finalists race: [budget] race says so or, without it, [search] noisy; and the search
 /// has found a design within the limits.
 bool has_race(const Study& study, const SearchResult& search);
+
+/// What a race takes where all but the winner are given up at the first chance; 0: there is none.
+int likely_replicates(const Study& study, int evaluations);
 
 /// Races the finalists of a search, its prototypes, and its baseline where it is no finalist. The
 /// best finalist becomes the search's best.
@@ -37,16 +38,6 @@ nlohmann::ordered_json race_finalists(SceneStore& store,
                                       Storage& storage,
                                       SearchResult& search,
                                       const std::atomic<int>* interrupt);
-
-/// A score on average over random numbers, with its 95 % interval: from evaluations that nothing
-/// was chosen by, and from the model's expectation, weighted by what each knows. One evaluation
-/// scatters by as much as they do among themselves, and by no less than the score itself says; the
-/// model knows the score for the random numbers of the search, which are off by as much as one
-/// evaluation.
-/// @param values    two or more
-/// @param error     standard error of one evaluation that the score tells; 0: none
-/// @param expected  nullptr: there is no model
-Estimate told_value(std::span<const double> values, double error, const Expectation* expected);
 
 /// What is told of the winner of one noisy objective: { score, seen: by the search, expected,
 /// expected_sd (where a model knows them), value, low, high: told_value() of its repeated scans };

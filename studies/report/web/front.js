@@ -403,6 +403,7 @@ class FrontTable {
     const { facts, members } = this;
     const isTotal = facts.front.hypervolume > 0;
     const scored = (name) => [{ name, heading: facts.label(name), meaning: facts.meaning(name), value: (one) => one.scores[name], text: (one) => facts.scoreWithError(name, { ...one.scores, [`${name}.error`]: one.errors?.[name] }) },
+      members.designs.some((one) => isNumber(one.expected?.[name]?.value)) && { name: `${name} expected`, heading: `${facts.label(name)}, expected`, meaning: `${facts.meaning(name)}\nexpected by the model of all evaluations, with its standard deviation`, value: (one) => one.expected?.[name]?.value, text: (one) => (one.expected?.[name] ? facts.scoreWithError(name, { [name]: one.expected[name].value, [`${name}.error`]: one.expected[name].sd }) : '\u2013') },
       members.designs.some((one) => isNumber(one.rescored?.[name]) && one.rescored[name] !== one.scores[name]) && { name: `${name} fresh`, heading: `${facts.label(name)}, fresh seeds`, meaning: `${facts.meaning(name)}\nscored again with fresh seeds`, value: (one) => one.rescored?.[name], text: (one) => (one.rescored ? facts.scoreWithError(name, members.fresh(one.trial)) : '\u2013') }];
     return [
       { name: 'trial', heading: '#', value: (one) => one.trial, text: (one) => String(one.trial) },

@@ -93,6 +93,15 @@ TEST(AddRescored, TakesTheScoresOwnErrorOrTheSpreadOfScans) {
   // Deviations -1, 0, 1: their squares over 2 are 1.
   EXPECT_EQ(one["rescored_errors"], (Json{{"even", 0.2}, {"width", 1.0}}));
   EXPECT_EQ(one["keeps_limits"], false);
+  // Student with 2 degrees of freedom: 4.3027 x 1 / sqrt(3).
+  EXPECT_NEAR(one["told"]["width"]["value"].get<double>(), 2.0, 1e-12);
+  EXPECT_NEAR(one["told"]["width"]["high"].get<double>(), 2.0 + 2.4841, 1e-3);
+  EXPECT_FALSE(one["told"].contains("even")) << "not scanned";
+  // The model's sd of 0 and the noise of one scan, 1, weigh as much as one scan: (3 x 2 + 6) / 4.
+  Json modelled = design(4, 1, 1);
+  modelled["expected"] = {{"width", {{"value", 6.0}, {"sd", 0.0}}}};
+  add_rescored(goal_of_two(), file, modelled);
+  EXPECT_NEAR(modelled["told"]["width"]["value"].get<double>(), 3.0, 1e-12);
   Json untouched = design(5, 2, 2);
   add_rescored(goal_of_two(), {{"rescored", nullptr}}, untouched);
   EXPECT_EQ(untouched, design(5, 2, 2));

@@ -105,6 +105,37 @@ TEST(FrontRun, TheResultHoldsTheFrontAndTheChosenDesign) {
   EXPECT_NEAR(sum, 1.0, 1e-9);
 }
 
+/// Scores of the lighting follow from settings: noise does not move them.
+TEST(FrontRun, OfNoisyObjectivesTellsWhatTheModelExpects) {
+  const TemporaryFolder folder;
+  const std::string text = std::string(kTinyTunnel) +
+                           "[[objective]]\nminimise = \"lighting.width_mm\"\n[search]\nnoisy = "
+                           "true\n";
+  write_file(folder / "study.toml", text);
+  const Study study = load_study(folder / "study.toml", {});
+  const Json result = run_study(study,
+                                {.out = folder / "out",
+                                 .threads = 2,
+                                 .jobs = 1,
+                                 .progress = Progress::Style::kNone,
+                                 .log_file = {}});
+  ASSERT_FALSE(result.at("front").empty());
+  for (const Json& design : result.at("front")) {
+    const Json& expected = design.at("expected");
+    EXPECT_EQ(expected.size(), 2U);
+    EXPECT_FALSE(expected.contains("lighting.width_mm"));
+    EXPECT_GT(expected.at("homogeneity.h_rms").at("sd").get<double>(), 0.0);
+    EXPECT_NEAR(expected.at("homogeneity.h_rms").at("value").get<double>(),
+                design.at("scores").at("homogeneity.h_rms").get<double>(),
+                0.2);
+  }
+  const Json shown = report_data({folder / "out"}).at("front").at("designs");
+  for (std::size_t k = 0; k < shown.size(); ++k) {
+    EXPECT_EQ(shown[k].at("expected"), result.at("front")[k].at("expected"));
+  }
+  EXPECT_FALSE(run_into(folder, "calm", 12).at("front")[0].contains("expected"));
+}
+
 TEST(FrontRun, TheReportHasTheFrontWithItsHistory) {
   const TemporaryFolder folder;
   const Json result = run_into(folder, "out", 12);

@@ -2,6 +2,7 @@
 #include "optimizer/search/search.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <mutex>
@@ -390,23 +391,9 @@ class Search {
 }  // namespace
 
 std::string_view termination_name(Termination termination) {
-  switch (termination) {
-    case Termination::kEvaluations:
-      return "evaluations";
-    case Termination::kWallClock:
-      return "wall_clock";
-    case Termination::kStall:
-      return "stall";
-    case Termination::kTarget:
-      return "target";
-    case Termination::kInterrupted:
-      return "interrupted";
-    case Termination::kExhausted:
-      return "exhausted";
-    case Termination::kFailures:
-      break;
-  }
-  return "failures";
+  constexpr std::array<std::string_view, 7> kNames = {
+      "evaluations", "wall_clock", "stall", "target", "interrupted", "exhausted", "failures"};
+  return kNames[static_cast<std::size_t>(termination)];
 }
 
 SearchResult run_search(const SearchTask& task,

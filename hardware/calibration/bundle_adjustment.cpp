@@ -154,6 +154,11 @@ ceres::Solver::Options options_for(Unknowns& unknowns) {
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.num_threads = 1;
   options.max_num_iterations = 100;
+  // Steps of Gauss and Newton from the first one on: most starts are near their minimum, and a
+  // small region creeps along what the pictures hardly tell. Steps that fail shrink it quickly,
+  // also those that leave corners behind the camera, of which five in a row would end the search.
+  options.initial_trust_region_radius = 1e10;
+  options.max_num_consecutive_invalid_steps = 12;
   options.function_tolerance = 1e-12;
   options.parameter_tolerance = 1e-12;
   options.gradient_tolerance = 1e-12;

@@ -98,6 +98,14 @@ double sigmas_of_size(const HandEyeWork& work) {
   return kSigmas * std::sqrt(1.0 + 20.0 / freedom);
 }
 
+/// Whether the robot's motion is surely of another size than that of the pictures by far more than
+/// a board can be mistaken.
+bool is_of_other_unit(const BoardScale& scale) {
+  constexpr double kSigmas = 5.0;
+  return (scale.factor < 0.5 || scale.factor > 2.0) &&
+         std::abs(scale.factor - 1.0) > kSigmas * scale.sigma;
+}
+
 std::string warning_of_noise(const HandEyeWork& work) {
   return work.has_known_noise
              ? fmt::format(
@@ -179,6 +187,13 @@ std::string refusal_of_solution(const HandEyeWork& work) {
   const double limit_mm = kWorstShareOfDistance * work.distance_mm;
   if (!is_possible_lens(result.lens, result.camera.width_px, result.camera.height_px)) {
     return "the distortion that fits folds the picture upon itself";
+  }
+  if (is_of_other_unit(result.scale)) {
+    return fmt::format(
+        "robot poses and pictures contradict each other: the robot moves {:.3g} times as far as "
+        "the pictures show: {}",
+        result.scale.factor,
+        kHandEyeContradiction);
   }
   if (result.noise.robot_rad > kWorstRobotRad || result.noise.robot_mm > limit_mm) {
     return fmt::format(

@@ -12,53 +12,47 @@ PoseChain::PoseChain(Mounting mounting,
                      const Isometry3d& base_from_flange,
                      const ChainIncrement& increment)
     : mounting_(mounting),
-      board_(poses.board * motion_of(increment.board)),
-      error_(motion_of(increment.error)),
-      robot_(base_from_flange),
-      hand_eye_(poses.hand_eye * motion_of(increment.hand_eye)),
-      board_turn_(poses.board.linear()),
       board_jacobian_(right_jacobian(increment.board.head<3>())),
       error_jacobian_(right_jacobian(increment.error.head<3>())),
       hand_eye_jacobian_(right_jacobian(increment.hand_eye.head<3>())),
-      hand_eye_step_(rotation_of(increment.hand_eye.head<3>())) {}
+      hand_eye_step_(rotation_of(increment.hand_eye.head<3>())) {
+  const Isometry3d board = poses.board * motion_of(increment.board);
+  const Isometry3d error = motion_of(increment.error);
+  const Isometry3d camera = (poses.hand_eye * motion_of(increment.hand_eye)).inverse();
+  // The error is the second link for an eye-in-hand camera, the first one otherwise.
+  const bool in_hand = mounting == Mounting::kEyeInHand;
+  before_ = in_hand ? base_from_flange.inverse() * board : board;
+  error_ = in_hand ? error.inverse() : error;
+  after_ = in_hand ? camera : camera * base_from_flange;
+  from_board_ = after_.linear() * error_.linear() * before_.linear();
+  from_board_step_ = from_board_ * rotation_of(increment.board.head<3>()).transpose();
+  from_error_step_ = in_hand ? Matrix3d(-after_.linear() * error_.linear()) : after_.linear();
+}
 
 Vector3d PoseChain::point_in_camera_mm(const Vector3d& point_on_board_mm,
                                        Derivatives* derivatives) const {
-  const bool in_hand = mounting_ == Mounting::kEyeInHand;
-  const Vector3d outer = board_ * point_on_board_mm;
-  // The error is the second link for an eye-in-hand camera, the first one otherwise.
-  const Vector3d before = in_hand ? robot_.inverse() * outer : outer;
-  const Vector3d moved = in_hand ? error_.inverse() * before : error_ * before;
-  const Vector3d after = in_hand ? moved : robot_ * moved;
-  const Vector3d point = hand_eye_.inverse() * after;
+  const Vector3d before = before_ * point_on_board_mm;
+  const Vector3d moved = error_ * before;
+  const Vector3d point = after_ * moved;
   if (derivatives == nullptr) {
     return point;
   }
-  const Matrix3d from_error =  // of what leaves the link of the error
-      in_hand ? Matrix3d(hand_eye_.linear().transpose())
-              : Matrix3d(hand_eye_.linear().transpose() * robot_.linear());
-  const Matrix3d from_outer =
-      in_hand ? Matrix3d(from_error * error_.linear().transpose() * robot_.linear().transpose())
-              : Matrix3d(from_error * error_.linear());
   derivatives->by_hand_eye << cross_matrix(point) * hand_eye_jacobian_, -hand_eye_step_.transpose();
-  derivatives->by_board << -from_outer * board_.linear() * cross_matrix(point_on_board_mm) *
-                               board_jacobian_,
-      from_outer * board_turn_;
-  if (in_hand) {
-    derivatives->by_error << from_error * cross_matrix(moved) * error_jacobian_,
-        -from_error * error_.linear().transpose();
+  derivatives->by_board << -from_board_ * (cross_matrix(point_on_board_mm) * board_jacobian_),
+      from_board_step_;
+  if (mounting_ == Mounting::kEyeInHand) {
+    derivatives->by_error << after_.linear() * (cross_matrix(moved) * error_jacobian_),
+        from_error_step_;
   } else {
-    derivatives->by_error << -from_error * error_.linear() * cross_matrix(before) * error_jacobian_,
-        from_error;
+    derivatives->by_error << -after_.linear() * error_.linear() *
+                                 (cross_matrix(before) * error_jacobian_),
+        from_error_step_;
   }
   return point;
 }
 
 Isometry3d PoseChain::camera_from_board() const {
-  const Isometry3d flange_from_base = (robot_ * error_).inverse();
-  const Isometry3d middle =
-      mounting_ == Mounting::kEyeInHand ? flange_from_base : Isometry3d(robot_ * error_);
-  return hand_eye_.inverse() * middle * board_;
+  return after_ * error_ * before_;
 }
 
 Isometry3d camera_from_board(Mounting mounting,

@@ -60,11 +60,14 @@ class PoseChain {
 
  private:
   Mounting mounting_;
-  Eigen::Isometry3d board_;     ///< with its increment
-  Eigen::Isometry3d error_;     ///< E
-  Eigen::Isometry3d robot_;     ///< base_from_flange
-  Eigen::Isometry3d hand_eye_;  ///< with its increment
-  Eigen::Matrix3d board_turn_;  ///< rotation of the board before its increment
+  // A point goes from the board to the link of the robot's error, over the error, and to the
+  // camera.
+  Eigen::Isometry3d before_;         ///< from the board, with its increment
+  Eigen::Isometry3d error_;          ///< E, or its inverse for a camera on the flange
+  Eigen::Isometry3d after_;          ///< to the camera, with the increment of the hand-eye
+  Eigen::Matrix3d from_board_;       ///< rotation from the board, with its increment, to the camera
+  Eigen::Matrix3d from_board_step_;  ///< from the board before its increment
+  Eigen::Matrix3d from_error_step_;  ///< from the error's translation
   Eigen::Matrix3d board_jacobian_;
   Eigen::Matrix3d error_jacobian_;
   Eigen::Matrix3d hand_eye_jacobian_;

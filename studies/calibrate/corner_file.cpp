@@ -106,9 +106,11 @@ BoardView view_without_corners(const std::string& reason) {
        ++i) {
     const auto outcome = static_cast<BoardOutcome>(i);
     const std::string name = outcome_name(outcome);
-    if (reason.starts_with(name)) {
-      return {.outcome = outcome,
-              .why = reason.size() > name.size() + 2 ? reason.substr(name.size() + 2) : ""};
+    if (reason == name) {
+      return {.outcome = outcome};
+    }
+    if (reason.starts_with(name + ": ")) {
+      return {.outcome = outcome, .why = reason.substr(name.size() + 2)};
     }
   }
   return {.outcome = BoardOutcome::kNoBoard, .why = reason};

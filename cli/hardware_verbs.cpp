@@ -49,10 +49,12 @@ void add_calibrate_modes(CLI::App& calibrate, CalibrateArguments& arguments) {
 
 void add_place_mode(CLI::App& calibrate, CalibrateArguments& arguments) {
   calibrate
-      .add_option("--place",
-                  arguments.placed,
-                  "where the part is: CSV of points that the robot touched or that pictures show, "
-                  "or TOML of a board on the part; given again for each time the part was put down")
+      .add_option(
+          "--place",
+          arguments.placed,
+          "where the part is: CSV of points that the robot touched or that pictures show, "
+          "or TOML of a board on the part; given again for each time the part was put down. Or a "
+          "scene with the part, whose edges are looked for in PICTURES")
       ->type_name("FILE")
       ->allow_extra_args(false);
 }

@@ -6,6 +6,7 @@
 #include "core/csv.h"
 #include "core/image/image_io.h"
 #include "core/text.h"
+#include "studies/calibrate/calibrate_run.h"
 #include "tests/studies/calibrate/calibrate_fixture.h"
 
 namespace glint::test {
@@ -62,11 +63,14 @@ TEST_F(CalibrateErrors, PosesThatCannotBeAreTold) {
   const auto refused = [&](const std::string& name,
                            const std::string& text,
                            const std::string& message,
-                           const Arguments& more = {}) {
+                           const std::vector<KeyValue>& sets = {}) {
     write_file(folder_ / name, text);
-    Arguments all = {"--board", "board.toml", "--poses", name};
-    all.insert(all.end(), more.begin(), more.end());
-    expect_refused({"grey1.png", "grey2.png"}, all, message);
+    const CalibrateOptions options = {.pictures = {"grey1.png", "grey2.png"},
+                                      .board = "board.toml",
+                                      .poses = {name},
+                                      .out = "out",
+                                      .sets = sets};
+    expect_refused_here([&] { calibrate_pictures(options); }, message);
   };
   const std::string two = "grey1.png,300,10,500,0.1,0.2,0.3\ngrey2.png,310,20,480,0.4,0.2,0.1\n";
   refused("surplus.csv", two + "grey3.png,310,20,480,0,0,0.1\n", "grey3");
@@ -74,11 +78,11 @@ TEST_F(CalibrateErrors, PosesThatCannotBeAreTold) {
   refused("radians.csv",
           "grey1.png,300,10,500,90,0,20\ngrey2.png,310,20,480,80,0,10\n",
           "are they degrees?",
-          {"--set", "convention.angle=rad", "--set", "convention.rotation=rotation_vector"});
+          {{"convention.angle", "rad"}, {"convention.rotation", "rotation_vector"}});
   refused("metres.csv",
           "grey1.png,0.3,0.1,0.5,0,0,0.1\ngrey2.png,0.3,0.2,0.4,0,0.1,0\n",
           "are they metres?",
-          {"--set", "convention.unit=mm"});
+          {{"convention.unit", "mm"}});
   refused("matrix.csv",
           "grey1.png,1,0,0,300, 0,1,0,10, 0,0,1.1,500\ngrey2.png,1,0,0,310, 0,1,0,20, 0,0,1,480\n",
           "matrix.csv:1:1: pose: its matrix is no rotation");
@@ -101,11 +105,14 @@ TEST_F(CalibrateErrors, CorruptFilesAreToldWithTheirPlace) {
                            const std::string& text,
                            const std::string& message) {
     write_file(folder_ / name, text);
-    Arguments all = {option, name};
-    if (option != "--board") {
-      all.insert(all.end(), {"--board", "board.toml"});
+    CalibrateOptions options = {.board = "board.toml", .out = "out"};
+    (option == "--board"  ? options.board
+     : option == "--from" ? options.from
+                          : options.camera) = name;
+    if (option != "--from") {
+      options.pictures = {"grey1.png"};
     }
-    expect_refused(option == "--from" ? Arguments{} : Arguments{"grey1.png"}, all, message);
+    expect_refused_here([&] { calibrate_pictures(options); }, message);
   };
   refused("--board", "cut.toml", "[board\n", "cut.toml:1:");
   refused("--board", "cut.json", "{\"cols\": 9,", "cut.json:1:");
@@ -303,15 +310,9 @@ TEST_F(CalibrateErrors, FiveGoodPicturesAreToldAsTooFew) {
   if (!fs::exists(set)) {
     GTEST_SKIP() << "no " << set;
   }
-  Arguments pictures;
-  std::string poses;
-  const std::string all = read_file(set / "poses.csv");
-  for (const char* name : {"img00.png", "img01.png", "img04.png", "img05.png", "img06.png"}) {
-    pictures.push_back((set / name).string());
-    const std::size_t line = all.find(name);
-    poses += all.substr(line, all.find('\n', line) + 1 - line);
-  }
-  write_file(folder_ / "five.csv", poses);
+  Arguments pictures = eight_on_robot();
+  pictures.resize(5);
+  write_file(folder_ / "five.csv", poses_on_robot(pictures));
   expect_refused(pictures,
                  {"--board", (set / "board.json").string(), "--poses", "five.csv"},
                  "5 pictures are too few, or too much alike");
@@ -334,24 +335,6 @@ TEST_F(CalibrateErrors, SquaresOfAnotherSizeAreToldByHowMuch) {
              "[board]\ncols = 9\nrows = 7\nsquare_mm = 10.15\nsetup = \"eye_to_hand\"\n");
   expect_refused(
       pictures, {"--board", "little.toml", "--poses", poses}, "mm instead of 10.15 mm, more than");
-}
-
-/// Corners that were found before know their board.
-TEST_F(CalibrateErrors, CornersOfAnotherBoardAreTold) {
-  if (board_on_robot().result.is_null()) {
-    GTEST_SKIP() << "no photographs";
-  }
-  write_file(folder_ / "larger.toml",
-             "[board]\ncols = 9\nrows = 7\nsquare_mm = 12\nsetup = \"eye_to_hand\"\n");
-  const std::string corners = (board_on_robot().folder / "out/corners.csv").string();
-  expect_refused({},
-                 {"--from",
-                  corners,
-                  "--board",
-                  "larger.toml",
-                  "--poses",
-                  (photographs("calibration/board_on_robot") / "poses.csv").string()},
-                 "squares of 12 mm): its corners were found with another board");
 }
 
 TEST_F(CalibrateErrors, ACameraOfAnotherSizeIsTold) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/error.h"
 #include "core/file.h"
 #include "tests/cli/program.h"
 
@@ -82,6 +83,27 @@ inline const SharedCalibration& board_on_robot() {
   return shared;
 }
 
+/// Eight good pictures of the robot that holds the board.
+inline Arguments eight_on_robot() {
+  const std::filesystem::path set = photographs("calibration/board_on_robot");
+  Arguments files;
+  for (const char* name : {"00", "01", "04", "05", "06", "08", "10", "12"}) {
+    files.push_back((set / ("img" + std::string(name) + ".png")).string());
+  }
+  return files;
+}
+
+/// The lines of the robot's poses that are of these pictures.
+inline std::string poses_on_robot(const Arguments& pictures) {
+  const std::string all = read_file(photographs("calibration/board_on_robot") / "poses.csv");
+  std::string poses;
+  for (const std::string& picture : pictures) {
+    const std::size_t line = all.find(std::filesystem::path(picture).filename().string());
+    poses += all.substr(line, all.find('\n', line) + 1 - line);
+  }
+  return poses;
+}
+
 /// The camera on an arm over a board in the cell.
 inline const SharedCalibration& franka() {
   static const SharedCalibration& shared = []() -> const SharedCalibration& {
@@ -128,6 +150,24 @@ class CalibrateVerb : public ::testing::Test {
     EXPECT_THAT(result.err, ::testing::HasSubstr(message));
     EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
     EXPECT_EQ(result.out, "");
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  }
+
+  /// expect_refused() within this process: a start of the program for each of many slips would take
+  /// most of the time.
+  template <class Call>
+  void expect_refused_here(const Call& call, const std::string& message) const {
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::current_path(folder_ / "");
+    std::string told = "nothing was refused";
+    try {
+      call();
+    } catch (const ConfigError& error) {
+      told = error.what();
+    }
+    std::filesystem::current_path(before);
+    EXPECT_THAT(told, ::testing::HasSubstr(message));
+    EXPECT_EQ(std::ranges::count(told, '\n'), 0) << told;
     EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
   }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <regex>
 
 #include <Eigen/Geometry>
@@ -97,16 +98,18 @@ TEST_F(CalibrateOutput, CornersFileHoldsAllThatTheResultNeeds) {
 }
 
 TEST_F(CalibrateOutput, CornersOfARobotsPicturesGiveTheSameHandEye) {
-  const fs::path set = photographs("calibration/board_on_robot");
-  const Arguments robot = {
-      "--board", (set / "board.json").string(), "--poses", (set / "poses.csv").string()};
-  const Json& result = board_on_robot().result;
-  fs::copy(board_on_robot().folder / "out", folder_ / "out");
+  if (franka().result.is_null()) {
+    GTEST_SKIP() << "no photographs";
+  }
+  const fs::path set = photographs("field/handeye_franka");
+  fs::copy(franka().folder / "out", folder_ / "out");
   Arguments from = {"calibrate", "--from", "out/corners.csv", "--out", "again"};
-  from.insert(from.end(), robot.begin(), robot.end());
+  from.insert(from.end(), {"--board", "out/board.toml"});
+  from.insert(from.end(), {"--camera", (set / "franka_camera.xml").string(), "--poses"});
+  std::ranges::copy(files_in(set, "franka_pose_rPe_", ".yaml"), std::back_inserter(from));
   const Json again = result_of(from);
-  EXPECT_EQ(again["hand_eye"], result["hand_eye"]);
-  EXPECT_EQ(again["pictures"], result["pictures"]);
+  EXPECT_EQ(again["hand_eye"], franka().result["hand_eye"]);
+  EXPECT_EQ(again["pictures"], franka().result["pictures"]);
 }
 
 /// Numbers to what the solver's last step leaves open, everything else alike.
@@ -138,7 +141,7 @@ void expect_same_calibration(Json again, Json result) {
 }
 
 TEST_F(CalibrateOutput, TheFolderOfACalibrationAloneGivesItAgain) {
-  if (franka().result.is_null() || board_on_robot().result.is_null()) {
+  if (franka().result.is_null()) {
     GTEST_SKIP() << "no photographs";
   }
   // With a known camera and poses in metres, one a file.
@@ -146,20 +149,16 @@ TEST_F(CalibrateOutput, TheFolderOfACalibrationAloneGivesItAgain) {
   expect_same_calibration(result_of({"calibrate", "--from", arm, "--out", "arm"}), franka().result);
 
   // With a tool's tip that is taken off the poses.
-  const fs::path set = photographs("calibration/board_on_robot");
-  const Json result = result_of({"calibrate",
-                                 "--from",
-                                 (board_on_robot().folder / "out").string(),
-                                 "--poses",
-                                 (set / "poses.csv").string(),
-                                 "--set",
-                                 "convention.flange_from_tcp=[1, 2, 30, 0.1, 0, 0.2]",
-                                 "--out",
-                                 "out"});
-  EXPECT_NE(result["board"]["pose"], board_on_robot().result["board"]["pose"]);
+  Arguments tool = {"calibrate", "--from", arm, "--out", "out"};
+  tool.insert(tool.end(), {"--set", "convention.flange_from_tcp=[1, 2, 30, 0.1, 0, 0.2]"});
+  tool.emplace_back("--poses");
+  std::ranges::copy(files_in(photographs("field/handeye_franka"), "franka_pose_rPe_", ".yaml"),
+                    std::back_inserter(tool));
+  const Json result = result_of(tool);
+  EXPECT_NE(result["hand_eye"], franka().result["hand_eye"]);
   const std::string poses = read_file(folder_ / "out/poses.toml");
   EXPECT_THAT(poses, HasSubstr("flange_from_tcp = [1, 2, 30, 0.1, 0, 0.2]: removed"));
-  EXPECT_THAT(poses, HasSubstr("name = \"img04.png\""));
+  EXPECT_THAT(poses, HasSubstr("name = \"franka_pose_rPe_4\""));
   expect_same_calibration(result_of({"calibrate", "--from", "out", "--out", "again"}), result);
 
   fs::remove(folder_ / "out/poses.toml");

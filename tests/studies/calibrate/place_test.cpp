@@ -10,6 +10,7 @@
 #include "core/config/toml.h"
 #include "core/csv.h"
 #include "hardware/calibration/rotation.h"
+#include "studies/calibrate/place_run.h"
 #include "tests/studies/calibrate/calibrate_fixture.h"
 
 namespace glint::test {
@@ -252,11 +253,10 @@ TEST_F(PlaceVerb, RefusesWhatTellsNoPlace) {
   const auto refused = [&](const std::string& name,
                            const std::string& text,
                            const std::string& message,
-                           const Arguments& more = {}) {
+                           CalibrateOptions options = {}) {
     write_file(folder_ / name, text);
-    Arguments all = {"--place", name};
-    all.insert(all.end(), more.begin(), more.end());
-    expect_refused({}, all, message);
+    options.out = "out";
+    expect_refused_here([&] { place_part({{.file = name}}, options); }, message);
   };
   const std::string head = "x_mm,y_mm,z_mm,base_x_mm,base_y_mm,base_z_mm\n";
   refused("two.csv", head + "0,0,0,1,1,1\n9,0,0,9,1,1\n", "two.csv: 2 points do not tell");
@@ -276,16 +276,16 @@ TEST_F(PlaceVerb, RefusesWhatTellsNoPlace) {
   refused("board.toml", "[part_from_board]\nshift_mm = 2\n", "board.toml:2:1: ");
   refused("board2.toml", "[part_from_board]\n", "--camera: is missing");
   refused("place.txt", "x", "place.txt: must be a .csv file");
-  refused("t.csv", head + "0,0,0,1,1,1\n", "place.sigma", {"--set", "place.sigma=1"});
-  refused("t.csv", head + "0,0,0,1,1,1\n", "must begin with", {"--set", "seed=1"});
-  refused("t.csv", head + "0,0,0,1,1,1\n", "--place takes no --setup", {"--setup", "eye_in_hand"});
+  refused("t.csv", head + "0,0,0,1,1,1\n", "place.sigma", {.sets = {{"place.sigma", "1"}}});
+  refused("t.csv", head + "0,0,0,1,1,1\n", "must begin with", {.sets = {{"seed", "1"}}});
+  expect_refused({}, {"--place", "t.csv", "--setup", "eye_in_hand"}, "--place takes no --setup");
   expect_refused({}, {"--place", "absent.csv"}, "absent.csv", 3);
   if (board_on_robot().result.is_null() || franka().result.is_null()) {
     return;
   }
-  const Arguments in_cell = {"--camera", (board_on_robot().folder / "out").string()};
+  const CalibrateOptions in_cell = {.camera = board_on_robot().folder / "out"};
   refused("one.csv", seen, "one.csv: its points leave the part's place open", in_cell);
-  refused("arm.csv", seen, "--poses: is missing", {"--camera", (franka().folder / "out").string()});
+  refused("arm.csv", seen, "--poses: is missing", {.camera = franka().folder / "out"});
 }
 
 }  // namespace

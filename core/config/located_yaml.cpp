@@ -16,14 +16,14 @@ namespace {
 constexpr std::string_view kOpenCvHead = "%YAML:";
 
 /// An event that frees itself.
-class Event {
+class YamlEvent {
  public:
-  Event() = default;
+  YamlEvent() = default;
 
-  ~Event() { yaml_event_delete(&event_); }
+  ~YamlEvent() { yaml_event_delete(&event_); }
 
-  Event(const Event&) = delete;
-  Event& operator=(const Event&) = delete;
+  YamlEvent(const YamlEvent&) = delete;
+  YamlEvent& operator=(const YamlEvent&) = delete;
 
   yaml_event_t* get() { return &event_; }
 
@@ -41,9 +41,9 @@ class Event {
   yaml_event_t event_ = {};
 };
 
-class TreeBuilder {
+class YamlTreeBuilder {
  public:
-  TreeBuilder(std::string_view text, const std::string& file, YamlNulls nulls)
+  YamlTreeBuilder(std::string_view text, const std::string& file, YamlNulls nulls)
       : file_(file), nulls_(nulls) {
     if (yaml_parser_initialize(&parser_) == 0) {
       throw ConfigError(file + ": no memory to read it");
@@ -52,19 +52,19 @@ class TreeBuilder {
         &parser_, reinterpret_cast<const unsigned char*>(text.data()), text.size());
   }
 
-  ~TreeBuilder() { yaml_parser_delete(&parser_); }
+  ~YamlTreeBuilder() { yaml_parser_delete(&parser_); }
 
-  TreeBuilder(const TreeBuilder&) = delete;
-  TreeBuilder& operator=(const TreeBuilder&) = delete;
+  YamlTreeBuilder(const YamlTreeBuilder&) = delete;
+  YamlTreeBuilder& operator=(const YamlTreeBuilder&) = delete;
 
   ConfigNode build() {
     expect(YAML_STREAM_START_EVENT);
-    Event begin;
+    YamlEvent begin;
     read(begin);
     if (begin.type() != YAML_DOCUMENT_START_EVENT) {
       throw ConfigError(Place{.file = file_, .line = 1, .column = 1}.prefix() + "holds no value");
     }
-    Event first;
+    YamlEvent first;
     read(first);
     ConfigNode root = value(first, 0);
     expect(YAML_DOCUMENT_END_EVENT);
@@ -83,7 +83,7 @@ class TreeBuilder {
     throw ConfigError(place(mark).prefix() + text);
   }
 
-  void read(Event& event) {
+  void read(YamlEvent& event) {
     if (yaml_parser_parse(&parser_, event.get()) == 0) {
       const bool has_mark = parser_.problem_mark.line + parser_.problem_mark.column > 0;
       const yaml_mark_t& mark = has_mark ? parser_.problem_mark : parser_.mark;
@@ -92,14 +92,14 @@ class TreeBuilder {
   }
 
   void expect(yaml_event_type_t type) {
-    Event event;
+    YamlEvent event;
     read(event);
     if (event.type() != type) {
       fail(event.mark(), "a second document follows, one is allowed");
     }
   }
 
-  ConfigNode value(Event& event, int depth) {
+  ConfigNode value(YamlEvent& event, int depth) {
     if (depth > kMaxFileDepth) {
       fail(event.mark(), fmt::format("YAML nested deeper than {} levels", kMaxFileDepth));
     }
@@ -121,12 +121,12 @@ class TreeBuilder {
     return node;
   }
 
-  static bool is_null(const Event& event) {
+  static bool is_null(const YamlEvent& event) {
     return event.type() == YAML_SCALAR_EVENT && event.is_plain() &&
            (event.text().empty() || event.text() == "~" || event.text() == "null");
   }
 
-  ConfigNode plain(const Event& event) const {
+  ConfigNode plain(const YamlEvent& event) const {
     if (is_null(event)) {
       fail(event.mark(), "found no value, expected one");
     }
@@ -136,7 +136,7 @@ class TreeBuilder {
   ConfigNode sequence(int depth) {
     ConfigNode node = ConfigNode::array();
     while (true) {
-      Event event;
+      YamlEvent event;
       read(event);
       if (event.type() == YAML_SEQUENCE_END_EVENT) {
         return node;
@@ -148,7 +148,7 @@ class TreeBuilder {
   ConfigNode mapping(int depth) {
     ConfigNode node = ConfigNode::table();
     while (true) {
-      Event key;
+      YamlEvent key;
       read(key);
       if (key.type() == YAML_MAPPING_END_EVENT) {
         return node;
@@ -160,7 +160,7 @@ class TreeBuilder {
       if (node.find(name) != nullptr) {
         fail(key.mark(), fmt::format("{}: appears twice in this mapping", name));
       }
-      Event event;
+      YamlEvent event;
       read(event);
       if (nulls_ == YamlNulls::kLeftOut && is_null(event)) {
         continue;
@@ -180,12 +180,12 @@ class TreeBuilder {
 
 ConfigNode parse_located_yaml(std::string_view text, const std::string& file, YamlNulls nulls) {
   if (!text.starts_with(kOpenCvHead)) {
-    return TreeBuilder(text, file, nulls).build();
+    return YamlTreeBuilder(text, file, nulls).build();
   }
   // No directive of YAML has a colon, and its version 1.0 is refused: a comment in its place.
   std::string standard(text);
   standard.front() = '#';
-  return TreeBuilder(standard, file, nulls).build();
+  return YamlTreeBuilder(standard, file, nulls).build();
 }
 
 }  // namespace glint

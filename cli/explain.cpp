@@ -178,10 +178,10 @@ std::string tables_text(const std::string& table) {
 }
 
 /// Of more keys than this only their tables are listed, where they stand in several.
-constexpr std::size_t kMostShown = 100;
+constexpr std::size_t kMaxShown = 100;
 
 std::string text_of(const std::string& key, const Found& found) {
-  if (found.rows.size() <= kMostShown || key.find('.') != std::string::npos) {
+  if (found.rows.size() <= kMaxShown || key.find('.') != std::string::npos) {
     return found.text;
   }
   const std::string tables = tables_text(key);

@@ -17,7 +17,7 @@ using Codes = Image<std::uint16_t>;
 
 constexpr int kOutlineWindow_px = 3;       ///< half of it
 constexpr double kOutlineContrast = 0.04;  ///< of the bright level
-constexpr int kMostShift_px = 30;          ///< of the reduced picture
+constexpr int kMaxShift_px = 30;           ///< of the reduced picture
 
 /// Code that a share of all pixels does not exceed.
 int code_at_share(const Codes& codes, double share, int largest) {
@@ -39,8 +39,8 @@ int code_at_share(const Codes& codes, double share, int largest) {
 /// Variance of the noise of one pixel, in codes. The weights of the second difference are 1 -2 1 by
 /// 1 -2 1, the sum of their squares 36; the median of |x| is 0.6745 standard deviations.
 double noise_variance(const Codes& codes) {
-  constexpr int kMostSamples = 200'000;
-  const int step = std::max(1, static_cast<int>(codes.size() / kMostSamples));
+  constexpr int kMaxSamples = 200'000;
+  const int step = std::max(1, static_cast<int>(codes.size() / kMaxSamples));
   std::vector<int> differences;
   int skipped = 0;
   for (int y = 1; y + 1 < codes.height(); ++y) {
@@ -158,7 +158,7 @@ double outline_share(const Codes& codes,
   const int factor = codes.width() / mask.width();
   const ImageF grey = block_means(codes, factor);
   const ExpectedOutline outline(grey, mask);
-  const int reach = std::min(static_cast<int>(std::ceil(tolerance_px / factor)), kMostShift_px);
+  const int reach = std::min(static_cast<int>(std::ceil(tolerance_px / factor)), kMaxShift_px);
   double best = 0.0;
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {

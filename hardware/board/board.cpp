@@ -17,11 +17,11 @@ constexpr std::array<std::string_view, 2> kKinds = {"checkerboard", "charuco"};
 constexpr std::array<std::string_view, 3> kSetups = {"none", "eye_in_hand", "eye_to_hand"};
 constexpr std::array<std::string_view, 4> kDictionaries = {"4x4", "5x5", "6x6", "7x7"};
 constexpr double kMarkerSquares = 0.7;
-constexpr int kMostMarkers = 1000;  ///< in each dictionary
+constexpr int kMaxMarkers = 1000;  ///< in each dictionary
 
 bool has_enough_markers(const Board& board) {
   return board.kind != BoardKind::kCharuco ||
-         (board.cols + 1) * (board.rows + 1) <= 2 * kMostMarkers;
+         (board.cols + 1) * (board.rows + 1) <= 2 * kMaxMarkers;
 }
 
 Board board_of(const ConfigNode& root) {
@@ -67,7 +67,7 @@ void visit_keys(KeyVisitor& keys, Board& board) {
                fmt::format("is {}, must be below 0.95 of square_mm", board.marker_mm));
   keys.require(has_enough_markers(board),
                "cols",
-               fmt::format("a ChArUco board may have {} markers at most", kMostMarkers));
+               fmt::format("a ChArUco board may have {} markers at most", kMaxMarkers));
 }
 
 int num_corners(const Board& board) {

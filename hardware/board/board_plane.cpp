@@ -13,7 +13,7 @@ namespace {
 using Vector10 = Eigen::Matrix<double, 10, 1>;
 using Matrix10 = Eigen::Matrix<double, 10, 10>;
 
-constexpr std::size_t kFewest = 4;
+constexpr std::size_t kMin = 4;
 const Eigen::Array2d kUsualRadial = {0.15, 0.05};
 
 /// Takes points to a mean of 0 and a mean distance of sqrt(2).
@@ -123,7 +123,7 @@ std::optional<BoardPlane> BoardPlane::fitted(std::span<const Eigen::Vector2d> bo
                                              std::span<const Eigen::Vector2d> picture_px,
                                              const Eigen::Vector2d& picture_size_px,
                                              double accuracy_px) {
-  if (board.size() < kFewest) {
+  if (board.size() < kMin) {
     return std::nullopt;
   }
   BoardPlane plane;

@@ -11,7 +11,7 @@
 namespace glint {
 namespace {
 
-constexpr double kLeastBorderMm = 10.0;
+constexpr double kMinBorderMm = 10.0;
 constexpr double kPointsPerMm = 72.0 / 25.4;
 constexpr double kLineSpacing = 1.4;  ///< of the letters' height
 constexpr double kRulerMm = 50.0;
@@ -161,13 +161,13 @@ void add_squares(const Board& board, const Eigen::Vector2d& corner, BoardSheet& 
 }  // namespace
 
 BoardSheet board_sheet(const Board& board) {
-  const double border = std::max(kLeastBorderMm, board.square_mm);
+  const double border = std::max(kMinBorderMm, board.square_mm);
   const Eigen::Vector2d squares = board.square_mm * Eigen::Vector2d(board.cols + 1, board.rows + 1);
   BoardSheet sheet = {.words = words_of(board), .word_height_mm = 3.0, .ruler_mm = kRulerMm};
   constexpr double kWordsWidth = 125.0;  // of the longest line
   const double below =
       sheet.word_height_mm * kLineSpacing * static_cast<double>(sheet.words.size() + 1);
-  sheet.size_mm = {std::max(squares.x() + 2.0 * border, kWordsWidth + 2.0 * kLeastBorderMm),
+  sheet.size_mm = {std::max(squares.x() + 2.0 * border, kWordsWidth + 2.0 * kMinBorderMm),
                    squares.y() + 2.0 * border + below};
   const Eigen::Vector2d corner(0.5 * (sheet.size_mm.x() - squares.x()), border);
   sheet.first_corner_mm = corner + Eigen::Vector2d(board.square_mm, board.square_mm);

@@ -17,7 +17,7 @@
 namespace glint {
 namespace {
 
-constexpr std::size_t kFewestMarkerCorners = 6;
+constexpr std::size_t kMinMarkerCorners = 6;
 constexpr int kFirstSide =
     1300;  ///< longest side of the level on which markers are looked for first
 
@@ -128,7 +128,7 @@ bool is_spread(const std::vector<Eigen::Vector2i>& corners) {
     cols.insert(corner.x());
     rows.insert(corner.y());
   }
-  return corners.size() >= kFewestMarkerCorners && cols.size() >= 2 && rows.size() >= 2;
+  return corners.size() >= kMinMarkerCorners && cols.size() >= 2 && rows.size() >= 2;
 }
 
 BoardView too_few(std::size_t markers, std::size_t corners) {
@@ -137,7 +137,7 @@ BoardView too_few(std::size_t markers, std::size_t corners) {
       .why = fmt::format("{} markers and {} corners beside them were found, {} corners are needed",
                          markers,
                          corners,
-                         kFewestMarkerCorners)};
+                         kMinMarkerCorners)};
 }
 
 BoardView measured(PictureLevels& levels, int level, const Board& board, const MarkersSeen& seen) {

@@ -32,10 +32,10 @@ enum Unknown {
 };
 
 constexpr double kWantedPx = 0.018;
-constexpr double kLeastBlurPx = 0.3;
-constexpr double kMostOfClearance = 0.42;
-constexpr double kMostForNoise = 12.0;  ///< px of a level
-constexpr double kLeastInside = 3.0;    ///< distance of a corner from the border, px of a level
+constexpr double kMinBlurPx = 0.3;
+constexpr double kMaxOfClearance = 0.42;
+constexpr double kMaxForNoise = 12.0;  ///< px of a level
+constexpr double kMinInside = 3.0;     ///< distance of a corner from the border, px of a level
 
 /// erf(d / (sqrt(2) s)) and its derivative by d.
 struct Edge {
@@ -64,14 +64,14 @@ struct Window {
 
 /// The window around a point, narrower where the border is nearer than its radius: as much on
 /// either side, so that it still looks the same after half a turn. Empty when less than
-/// kLeastInside is left.
+/// kMinInside is left.
 std::optional<Window> window_around(PictureLevels& levels,
                                     int level,
                                     const Eigen::Vector2d& at_px,
                                     double radius_px) {
   const Eigen::Array2d size(levels.width() >> level, levels.height() >> level);
   const Eigen::Array2d inside = at_px.array().min(size - at_px.array());
-  if (!(inside.minCoeff() >= kLeastInside)) {
+  if (!(inside.minCoeff() >= kMinInside)) {
     return std::nullopt;
   }
   const Eigen::Array2d half = inside.min(radius_px + 1.5);
@@ -208,7 +208,7 @@ struct LevelFit {
 Vector11 gauss_newton_step(Sums& sums, const Vector11& u) {
   sums.normal.diagonal() *= 1.0 + 1e-9;
   Vector11 change = sums.normal.ldlt().solve(sums.right);
-  if (change[kLogBlur] < 0.0 && u[kLogBlur] <= std::log(kLeastBlurPx)) {
+  if (change[kLogBlur] < 0.0 && u[kLogBlur] <= std::log(kMinBlurPx)) {
     sums.normal.row(kLogBlur).setZero();
     sums.normal.col(kLogBlur).setZero();
     sums.normal(kLogBlur, kLogBlur) = 1.0;
@@ -221,10 +221,10 @@ Vector11 gauss_newton_step(Sums& sums, const Vector11& u) {
 /// Steps of Gauss-Newton, each cut to what the model is good for. Edges sharper than a pixel make
 /// them swing, so later ones are shorter.
 std::optional<LevelFit> settle(const Window& window, Vector11 u) {
-  constexpr int kMostSteps = 20;
+  constexpr int kMaxSteps = 20;
   constexpr int kFullSteps = 6;
   constexpr double kSettledPx = 1e-3;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     Sums sums = sums_over(window, u);
     const Vector11 change = gauss_newton_step(sums, u);
     const double largest = std::max({change.head<2>().norm() / (0.4 * window.radius_px),
@@ -234,7 +234,7 @@ std::optional<LevelFit> settle(const Window& window, Vector11 u) {
       return std::nullopt;
     }
     u += (step < kFullSteps ? 1.0 : 0.5) * change / std::max(1.0, largest);
-    u[kLogBlur] = std::max(u[kLogBlur], std::log(kLeastBlurPx));
+    u[kLogBlur] = std::max(u[kLogBlur], std::log(kMinBlurPx));
     const double enough = step < kFullSteps ? kSettledPx : 5.0 * kSettledPx;
     if (change.head<2>().norm() < enough && std::abs(change[kLogBlur]) < 10.0 * enough) {
       const double spare = std::max(1.0, sums.weights - static_cast<double>(u.size()));
@@ -279,7 +279,7 @@ Vector11 on_level(Vector11 u, double factor_from, double factor_to, double radiu
   // Means of n x n pixels add (n^2 - 1) / 12 to the variance of the blur.
   const double blur = std::exp(u[kLogBlur]) * factor_from;
   const double variance = blur * blur + (factor_to * factor_to - factor_from * factor_from) / 12.0;
-  const double least = kLeastBlurPx * factor_to;
+  const double least = kMinBlurPx * factor_to;
   u[kLogBlur] = 0.5 * std::log(std::max(variance, least * least) / (factor_to * factor_to));
   u.segment<2>(kLevelX) *= radius_ratio;
   u.segment<2>(kHalfX) *= radius_ratio;
@@ -288,8 +288,7 @@ Vector11 on_level(Vector11 u, double factor_from, double factor_to, double radiu
 
 double blur_of(const Vector11& u, double factor) {
   const double blur = std::exp(u[kLogBlur]) * factor;
-  return std::sqrt(
-      std::max(blur * blur - (factor * factor - 1.0) / 12.0, kLeastBlurPx * kLeastBlurPx));
+  return std::sqrt(std::max(blur * blur - (factor * factor - 1.0) / 12.0, kMinBlurPx * kMinBlurPx));
 }
 
 /// Radius of the window, px of a level: see the head of corner_fit.h.
@@ -298,8 +297,8 @@ double wanted_radius(const LevelFit& fit, double factor, double clearance_px) {
   const double step = 2.0 * std::abs(fit.unknowns[kHalf]);
   const double wanted = kWantedPx / factor;
   const double relative = fit.noise / (step * wanted);
-  const double by_noise = std::min(relative * relative * std::sqrt(kPi) * blur, kMostForNoise);
-  const double most = kMostOfClearance * clearance_px / factor;
+  const double by_noise = std::min(relative * relative * std::sqrt(kPi) * blur, kMaxForNoise);
+  const double most = kMaxOfClearance * clearance_px / factor;
   return std::min(std::max({by_noise, 2.2 * blur + 1.5, 3.5}), most);
 }
 
@@ -313,10 +312,10 @@ double clipped_share(const Window& window, double clipped_value) {
 /// The level on which a blur is 1 to 2.4 px wide, but none on which the widest window is too small
 /// for the model's unknowns.
 int level_for(double blur_px, double clearance_px) {
-  constexpr double kLeastRadius = 3.5;
+  constexpr double kMinRadius = 3.5;
   int level = 0;
   while (blur_px > 2.4 * (1 << level) &&
-         kMostOfClearance * clearance_px > kLeastRadius * (2 << level) && level < 6) {
+         kMaxOfClearance * clearance_px > kMinRadius * (2 << level) && level < 6) {
     ++level;
   }
   return level;

@@ -11,7 +11,7 @@ namespace glint {
 namespace {
 
 constexpr double kAligned = 0.978;  ///< cosine of 12 degrees
-constexpr std::size_t kFewestCorners = 4;
+constexpr std::size_t kMinCorners = 4;
 const std::array<Eigen::Vector2i, 4> kSteps = {
     Eigen::Vector2i(1, 0), Eigen::Vector2i(0, 1), Eigen::Vector2i(-1, 0), Eigen::Vector2i(0, -1)};
 
@@ -102,8 +102,8 @@ using Steps = std::array<double, 2>;
 
 /// Neighbouring steps along one axis differ by perspective, less than that factor.
 bool fits(double step, double known) {
-  constexpr double kMostRatio = 1.6;
-  return known <= 0.0 || (step < kMostRatio * known && known < kMostRatio * step);
+  constexpr double kMaxRatio = 1.6;
+  return known <= 0.0 || (step < kMaxRatio * known && known < kMaxRatio * step);
 }
 
 /// The shorter link of each axis.
@@ -254,7 +254,7 @@ std::vector<CornerGrid> find_corner_grids(std::span<const SaddlePoint> points,
       continue;
     }
     CornerGrid grid = grown_grid(links, i, turns);
-    if (grid.size() >= kFewestCorners) {
+    if (grid.size() >= kMinCorners) {
       grids.push_back(std::move(grid));
     }
   }

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kFirstWidth = 500;   ///< longest side of the level that is tried first, px
 constexpr int kSmallestSide = 48;  ///< of a level
-constexpr double kMostMissing = 0.15;
+constexpr double kMaxMissing = 0.15;
 
 /// The grid that shows most of the board, on one level.
 struct BestGrid {
@@ -66,7 +66,7 @@ std::vector<int> search_order(const PictureLevels& levels) {
 
 bool is_whole(const BestGrid& best, const Board& board) {
   const int missing = num_corners(board) - best.found.num_found;
-  return missing <= static_cast<int>(kMostMissing * num_corners(board)) &&
+  return missing <= static_cast<int>(kMaxMissing * num_corners(board)) &&
          best.found.num_beyond <= std::min(board.cols, board.rows) / 2;
 }
 

@@ -23,11 +23,11 @@ class Beyond {
   /// Where the outermost squares end two edges meet in a T, which the model of a corner leaves a
   /// quarter of the contrast and more of.
   bool has_corner(int col, int row) const {
-    constexpr double kLeastContrast = 0.6;
-    constexpr double kMostNoise = 0.2;
+    constexpr double kMinContrast = 0.6;
+    constexpr double kMaxNoise = 0.2;
     const auto fit = fit_corner(levels_, level_, guesses_(placement_.place(col, row)));
-    return fit && fit->contrast > kLeastContrast * contrast_ &&
-           fit->noise < kMostNoise * fit->contrast;
+    return fit && fit->contrast > kMinContrast * contrast_ &&
+           fit->noise < kMaxNoise * fit->contrast;
   }
 
   bool has_column(int col, int rows) const {

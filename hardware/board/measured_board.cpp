@@ -16,11 +16,11 @@
 namespace glint {
 namespace {
 
-constexpr double kBorderPx = 3.0;        ///< of a level: too little for a window
-constexpr double kMostBlur = 0.2;        ///< of the way to the next edges
-constexpr double kFewestNoises = 4.0;    ///< of the contrast
-constexpr double kLeastContrast = 0.02;  ///< of full scale
-constexpr double kMostBend = 0.1;        ///< rms from a plane, of the way to the next edges
+constexpr double kBorderPx = 3.0;      ///< of a level: too little for a window
+constexpr double kMaxBlur = 0.2;       ///< of the way to the next edges
+constexpr double kMinNoises = 4.0;     ///< of the contrast
+constexpr double kMinContrast = 0.02;  ///< of full scale
+constexpr double kMaxBend = 0.1;       ///< rms from a plane, of the way to the next edges
 
 Eigen::Vector2d size_of(const PictureLevels& levels) {
   return {levels.width(), levels.height()};
@@ -214,20 +214,20 @@ std::optional<BoardPlane> fine_plane(const PictureLevels& levels, const FittedBo
 
 /// What keeps measured corners from being used: the view, refused, or as it is.
 BoardView judged(BoardView view, double most_blur) {
-  if (view.contrast < std::max(kLeastContrast, kFewestNoises * view.noise)) {
+  if (view.contrast < std::max(kMinContrast, kMinNoises * view.noise)) {
     return refused_view(
         BoardOutcome::kDark,
         fmt::format("white differs from black by {:.1f} % of full scale, noise is {:.1f} %",
                     100.0 * view.contrast,
                     100.0 * view.noise));
   }
-  if (most_blur > kMostBlur) {
+  if (most_blur > kMaxBlur) {
     return refused_view(
         BoardOutcome::kBlurred,
         fmt::format("edges are blurred by {:.0f} % of a square, at most {:.0f} % are "
                     "allowed",
                     100.0 * most_blur,
-                    100.0 * kMostBlur));
+                    100.0 * kMaxBlur));
   }
   return view;
 }
@@ -325,7 +325,7 @@ BoardView measured_board(PictureLevels& levels,
   }
   const auto fine = fine_plane(levels, fitted);
   const double clearance = *std::ranges::min_element(fitted.clearance_px);
-  if (!fine || fine->rms_px() > std::max(1.0, kMostBend * clearance)) {
+  if (!fine || fine->rms_px() > std::max(1.0, kMaxBend * clearance)) {
     return refused_view(BoardOutcome::kNoBoard, "the corners do not lie on a plane");
   }
   BoardView view = judged_corners(board, fitted.col_row, fitted.fits, fitted.clearance_px);

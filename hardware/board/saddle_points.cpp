@@ -10,9 +10,9 @@
 namespace glint {
 namespace {
 
-constexpr int kBorder = 7;            ///< room for a circle and its interpolation, px
-constexpr int kCircle = 32;           ///< samples
-constexpr double kLeastStep = 0.005;  ///< bright minus dark: less is noise of any camera
+constexpr int kBorder = 7;          ///< room for a circle and its interpolation, px
+constexpr int kCircle = 32;         ///< samples
+constexpr double kMinStep = 0.005;  ///< bright minus dark: less is noise of any camera
 
 /// A pixel whose determinant is the largest nearby.
 struct Peak {
@@ -84,12 +84,12 @@ bool is_peak(const ImageF& strength, int x, int y) {
 }
 
 std::vector<Peak> strongest_peaks(const ImageF& strength, std::size_t most) {
-  constexpr float kLeast = 2e-7F;
+  constexpr float kMin = 2e-7F;
   std::vector<Peak> peaks;
   for (int y = kBorder; y < strength.height() - kBorder; ++y) {
     const float* row = strength.row(y);
     for (int x = kBorder; x < strength.width() - kBorder; ++x) {
-      if (row[x] > kLeast && row[x] >= row[x - 1] && row[x] >= row[x + 1] &&
+      if (row[x] > kMin && row[x] >= row[x - 1] && row[x] >= row[x + 1] &&
           is_peak(strength, x, y)) {
         peaks.push_back({.x = x, .y = y, .strength = row[x]});
       }
@@ -168,12 +168,12 @@ bool is_corner(const std::array<double, kCircle>& values,
                const std::array<double, 4>& angles,
                double middle,
                double contrast) {
-  constexpr double kLeastArc = 20.0 * kRadPerDeg;
-  constexpr double kMostBend = 25.0 * kRadPerDeg;
+  constexpr double kMinArc = 20.0 * kRadPerDeg;
+  constexpr double kMaxBend = 25.0 * kRadPerDeg;
   for (std::size_t k = 0; k < 4; ++k) {
     const double begin = angles[k];
     const double end = k == 3 ? angles[0] + 2.0 * kPi : angles[k + 1];
-    if (end - begin < kLeastArc) {
+    if (end - begin < kMinArc) {
       return false;
     }
     const double centre = 0.5 * (begin + end) / (2.0 * kPi) * kCircle;
@@ -183,8 +183,8 @@ bool is_corner(const std::array<double, kCircle>& values,
       return false;
     }
   }
-  return std::abs(angles[2] - angles[0] - kPi) < kMostBend &&
-         std::abs(angles[3] - angles[1] - kPi) < kMostBend;
+  return std::abs(angles[2] - angles[0] - kPi) < kMaxBend &&
+         std::abs(angles[3] - angles[1] - kPi) < kMaxBend;
 }
 
 using Circle = std::array<Eigen::Vector2d, kCircle>;
@@ -209,7 +209,7 @@ std::optional<SaddlePoint> tested(const ImageF& smooth,
   const auto [low, high] = std::ranges::minmax(values);
   const double middle = 0.5 * (low + high);
   const auto angles = crossings(values, middle);
-  if (high - low < kLeastStep || !angles || !is_corner(values, *angles, middle, high - low)) {
+  if (high - low < kMinStep || !angles || !is_corner(values, *angles, middle, high - low)) {
     return std::nullopt;
   }
   const double rising = 0.5 * ((*angles)[0] + (*angles)[2] - kPi);

@@ -18,7 +18,7 @@
 namespace glint {
 namespace {
 
-constexpr std::size_t kLeastCorners = 6;
+constexpr std::size_t kMinCorners = 6;
 constexpr double kWorstFocalShare = 0.05;
 constexpr double kRejectedRatio = 5.0;
 constexpr double kWeakTilt = 8.0 * kRadPerDeg;
@@ -43,8 +43,8 @@ std::vector<Eigen::Matrix3d> find_homographies(Work& work) {
   for (std::size_t i = 0; i < work.pictures.size(); ++i) {
     CalibratedPicture& picture = work.result.pictures[i];
     const std::size_t count = work.pictures[i].board_mm.size();
-    if (count < kLeastCorners || work.pictures[i].picture_px.size() != count) {
-      reject(picture, fmt::format("has {} corners, needs {}", count, kLeastCorners));
+    if (count < kMinCorners || work.pictures[i].picture_px.size() != count) {
+      reject(picture, fmt::format("has {} corners, needs {}", count, kMinCorners));
       continue;
     }
     const auto matrix = homography(work.pictures[i]);

@@ -186,8 +186,8 @@ bool is_few(const HandEyeWork& work) {
 /// False when the minimiser fails, or the size does not settle.
 bool fit(HandEyeWork& work) {
   constexpr double kSmallStep = 0.02;  // in standard deviations of the size
-  constexpr int kMostSteps = 8;
-  for (int step = 0; step < kMostSteps; ++step) {
+  constexpr int kMaxSteps = 8;
+  for (int step = 0; step < kMaxSteps; ++step) {
     const int rounds = work.has_known_noise ? 0 : 8;
     if (!fit_joint(work.result.bundle, rounds, &work.estimated)) {
       return false;
@@ -303,10 +303,10 @@ std::vector<PosePair> turned_inliers(const HandEyeWork& work, const RobustHandEy
 
 /// A hand-eye that most pictures agree on; with a free size at the size that they say.
 std::optional<RobustHandEye> robust_start(HandEyeWork& work) {
-  constexpr int kMostSteps = 5;
+  constexpr int kMaxSteps = 5;
   constexpr double kSmallStep = 1e-3;
   std::optional<RobustHandEye> robust;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     robust = robust_hand_eye(work.options.mounting, work.pairs, work.symmetry, work.options.seed);
     if (!robust.has_value() || !work.is_size_free) {
       break;

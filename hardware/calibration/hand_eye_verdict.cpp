@@ -24,7 +24,7 @@ constexpr double kWorstShareOfDistance = 0.05;
 /// Robot errors above this share of the distance are large.
 constexpr double kLargeShareOfDistance = 0.002;
 /// Fewer pictures do not tell the size of the squares.
-constexpr std::size_t kFewestViewsOfSize = 10;
+constexpr std::size_t kMinViewsOfSize = 10;
 
 /// The error that the robot's pose must have for the picture to be right.
 Isometry3d implied_error(const HandEyeWork& work, const PosePair& pair, int turn) {
@@ -129,12 +129,12 @@ std::string warning_of_many(const HandEyeWork& work) {
 
 /// Of a size that is told but not taken. What a bad robot says of it is in its note.
 std::string warning_of_size(const HandEyeWork& work) {
-  constexpr double kLeastOff = 0.003;
+  constexpr double kMinOff = 0.003;
   constexpr double kSigmas = 3.0;
   const BoardScale& scale = work.result.scale;
   const double off = std::abs(scale.factor - 1.0);
-  const bool is_told = !work.is_size_free && !has_large_errors(work) && off > kLeastOff &&
-                       off > kSigmas * scale.sigma;
+  const bool is_told =
+      !work.is_size_free && !has_large_errors(work) && off > kMinOff && off > kSigmas * scale.sigma;
   return is_told ? fmt::format("the robot's motion says that the board's squares are {}",
                                times_text(scale))
                  : std::string();
@@ -239,20 +239,20 @@ bool may_have_other_squares(const HandEyeWork& as_given) {
 }
 
 bool has_other_squares(const HandEyeWork& as_given, const HandEyeWork& with_free_size) {
-  constexpr double kLeastOff = 3e-4;
+  constexpr double kMinOff = 3e-4;
   const BoardScale& scale = with_free_size.result.scale;
   const double off = std::abs(scale.factor - 1.0);
-  return with_free_size.result.bundle.views.size() >= kFewestViewsOfSize &&
-         !is_unsure(with_free_size) && off > kLeastOff &&
+  return with_free_size.result.bundle.views.size() >= kMinViewsOfSize &&
+         !is_unsure(with_free_size) && off > kMinOff &&
          off > sigmas_of_size(with_free_size) * scale.sigma &&
          (!as_given.result.refusal.empty() ||
           num_rejected(with_free_size) <= num_rejected(as_given));
 }
 
 std::string refusal_of_squares(const HandEyeWork& with_free_size) {
-  constexpr double kMostOff = 0.005;
+  constexpr double kMaxOff = 0.005;
   const BoardScale& scale = with_free_size.result.scale;
-  if (std::abs(scale.factor - 1.0) <= kMostOff) {
+  if (std::abs(scale.factor - 1.0) <= kMaxOff) {
     return {};
   }
   return fmt::format(

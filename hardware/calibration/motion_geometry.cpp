@@ -13,7 +13,7 @@
 namespace glint {
 namespace {
 
-constexpr int kLeastPoses = 5;
+constexpr int kMinPoses = 5;
 
 double degrees(double angle) {
   return angle * kDegPerRad;
@@ -42,9 +42,9 @@ MotionGeometry motion_geometry(std::span<const Eigen::Isometry3d> base_from_flan
 }
 
 std::string refusal_of(const MotionGeometry& motion) {
-  if (motion.num_poses < kLeastPoses) {
+  if (motion.num_poses < kMinPoses) {
     return fmt::format(
-        "{} pictures with robot poses, at least {} are needed", motion.num_poses, kLeastPoses);
+        "{} pictures with robot poses, at least {} are needed", motion.num_poses, kMinPoses);
   }
   if (motion.largest_rotation_rad < kRadPerDeg) {
     return fmt::format(

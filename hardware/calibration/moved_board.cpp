@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr std::size_t kLeastPart = 5;
+constexpr std::size_t kMinPart = 5;
 constexpr double kBetter = 4.0;
 constexpr std::size_t kPlaces = 12;  // tried first; then those between the best one's neighbours
 
@@ -39,13 +39,13 @@ struct SplitSearch {
 
   /// The best place; with an infinite deviation when there is none.
   Split run() {
-    const std::size_t last = pairs.size() - kLeastPart;
-    const std::size_t step = std::max<std::size_t>(1, (last - kLeastPart) / kPlaces);
-    for (std::size_t at = kLeastPart; at <= last; at += step) {
+    const std::size_t last = pairs.size() - kMinPart;
+    const std::size_t step = std::max<std::size_t>(1, (last - kMinPart) / kPlaces);
+    for (std::size_t at = kMinPart; at <= last; at += step) {
       try_split(at);
     }
     const std::size_t middle = best.at;
-    for (std::size_t at = std::max(kLeastPart + step, middle) - step;
+    for (std::size_t at = std::max(kMinPart + step, middle) - step;
          at <= last && at < middle + step;
          ++at) {
       try_split(at);
@@ -154,7 +154,7 @@ std::optional<MovedBoard> find_moved_board(Mounting mounting,
                                            std::span<const PosePair> pairs,
                                            const BoardSymmetry& symmetry,
                                            std::uint64_t seed) {
-  if (pairs.size() < 2 * kLeastPart) {
+  if (pairs.size() < 2 * kMinPart) {
     return std::nullopt;
   }
   const auto whole = robust_hand_eye(mounting, pairs, symmetry, seed);

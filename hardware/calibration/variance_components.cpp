@@ -18,7 +18,7 @@ using Eigen::Vector4d;
 using Eigen::VectorXd;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-const Vector3d kLeast(1e-5, 1e-7, 1e-5);
+const Vector3d kMin(1e-5, 1e-7, 1e-5);
 
 bool has_limits(const NoiseSizes& noise) {
   return noise.robot_rad > 0.0 && noise.robot_mm > 0.0;
@@ -26,7 +26,7 @@ bool has_limits(const NoiseSizes& noise) {
 
 /// Logarithms of corner_px, robot_rad, robot_mm, then w with pattern_px = corner_px sqrt(1 + w^2).
 NoiseSizes noise_of(const Vector4d& at) {
-  const Vector3d sizes = at.head<3>().array().exp().matrix().cwiseMax(kLeast);
+  const Vector3d sizes = at.head<3>().array().exp().matrix().cwiseMax(kMin);
   return {.corner_px = sizes[0],
           .robot_rad = sizes[1],
           .robot_mm = sizes[2],
@@ -34,12 +34,12 @@ NoiseSizes noise_of(const Vector4d& at) {
 }
 
 /// Inverse of noise_of(). Where patterns are not known to be worse than corners w starts at one: at
-/// zero the likelihood has no slope.
+/// zero the likelihood has no derivative.
 Vector4d coordinates_of(const NoiseSizes& noise) {
   const Vector3d sizes(noise.corner_px, noise.robot_rad, noise.robot_mm);
   const double ratio = noise.whole_pattern_px() / noise.corner_px;
   Vector4d at;
-  at << sizes.cwiseMax(kLeast).array().log().matrix(),
+  at << sizes.cwiseMax(kMin).array().log().matrix(),
       noise.pattern_px > 0.0 ? std::sqrt(std::max(0.01, ratio * ratio - 1.0)) : 1.0;
   return at;
 }
@@ -70,39 +70,39 @@ double minus_two_log_likelihood(const Bundle& bundle,
   return shared_information(bundle, compressed, noise_of(at)).minus_two_log_likelihood;
 }
 
-struct Slopes {
+struct Derivatives {
   Vector4d gradient = Vector4d::Zero();
   Eigen::Matrix4d hessian = Eigen::Matrix4d::Zero();
 };
 
 /// By central differences: the likelihood is smooth in the coordinates.
 template <class Function>
-Slopes slopes_at(const Vector4d& at, const Function& function) {
+Derivatives derivatives_at(const Vector4d& at, const Function& function) {
   constexpr double kStep = 1e-2;
-  Slopes slopes;
+  Derivatives derivatives;
   const double middle = function(at);
   for (int i = 0; i < 4; ++i) {
     const Vector4d a = kStep * Vector4d::Unit(i);
     const double up = function(at + a);
     const double down = function(at - a);
-    slopes.gradient[i] = (up - down) / (2.0 * kStep);
-    slopes.hessian(i, i) = (up - 2.0 * middle + down) / (kStep * kStep);
+    derivatives.gradient[i] = (up - down) / (2.0 * kStep);
+    derivatives.hessian(i, i) = (up - 2.0 * middle + down) / (kStep * kStep);
     for (int j = 0; j < i; ++j) {
       const Vector4d b = kStep * Vector4d::Unit(j);
       const double mixed = (function(at + a + b) - function(at + a - b) - function(at - a + b) +
                             function(at - a - b)) /
                            (4.0 * kStep * kStep);
-      slopes.hessian(i, j) = slopes.hessian(j, i) = mixed;
+      derivatives.hessian(i, j) = derivatives.hessian(j, i) = mixed;
     }
   }
-  return slopes;
+  return derivatives;
 }
 
 /// A step of Newton with the curvature made positive, at most one in each coordinate.
-Vector4d newton_step(const Slopes& slopes) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(slopes.hessian);
+Vector4d newton_step(const Derivatives& derivatives) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(derivatives.hessian);
   const Vector4d curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-2);
-  const Vector4d along = eigen.eigenvectors().transpose() * slopes.gradient;
+  const Vector4d along = eigen.eigenvectors().transpose() * derivatives.gradient;
   const Vector4d step = -eigen.eigenvectors() * along.cwiseQuotient(curvature);
   return step / std::max(1.0, step.cwiseAbs().maxCoeff());
 }
@@ -116,7 +116,7 @@ EstimatedNoise corner_noise_only(const Bundle& bundle, const CompressedBundle& c
       gradient.size() > 0 ? gradient.dot(ScaledFactor(hessian).solve(gradient)) : 0.0;
   const double square = std::max(0.0, compressed.rest_square_px2 - explained);
   NoiseSizes noise = bundle.noise;
-  noise.corner_px = std::max(kLeast[0], std::sqrt(square / freedom));
+  noise.corner_px = std::max(kMin[0], std::sqrt(square / freedom));
   return {.noise = noise, .log_sigma = Vector3d(std::sqrt(0.5 / freedom), 0.0, 0.0)};
 }
 
@@ -204,10 +204,10 @@ EstimatedNoise estimate_noise(const Bundle& bundle) {
   };
   Vector4d at = coordinates_of(bundle.noise);
   double value = function(at);
-  Slopes slopes;
+  Derivatives derivatives;
   for (int round = 0; round < 60; ++round) {
-    slopes = slopes_at(at, function);
-    Vector4d step = newton_step(slopes);
+    derivatives = derivatives_at(at, function);
+    Vector4d step = newton_step(derivatives);
     double stepped = function(at + step);
     for (int halved = 0; halved < 20 && !(stepped <= value); ++halved) {
       step *= 0.5;
@@ -218,7 +218,7 @@ EstimatedNoise estimate_noise(const Bundle& bundle) {
     }
     at += step;
     // A size that only falls ends at its least.
-    at.head<3>() = at.head<3>().cwiseMax(Vector3d(kLeast.array().log()));
+    at.head<3>() = at.head<3>().cwiseMax(Vector3d(kMin.array().log()));
     const bool is_done = value - stepped < 1e-6;
     value = function(at);
     if (is_done) {
@@ -226,7 +226,7 @@ EstimatedNoise estimate_noise(const Bundle& bundle) {
     }
   }
   const Eigen::Matrix3d information =
-      0.5 * slopes.hessian.topLeftCorner<3, 3>() + 1e-3 * Eigen::Matrix3d::Identity();
+      0.5 * derivatives.hessian.topLeftCorner<3, 3>() + 1e-3 * Eigen::Matrix3d::Identity();
   const Vector3d variances = information.inverse().diagonal();
   return {.noise = noise_of(at), .log_sigma = variances.cwiseMax(0.0).cwiseSqrt()};
 }

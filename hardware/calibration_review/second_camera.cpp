@@ -22,13 +22,13 @@ using Eigen::VectorXd;
 /// Which views are the second camera's.
 using Sides = std::vector<bool>;
 
-constexpr std::ptrdiff_t kLeastViews = 4;
-constexpr int kMostTurns = 20;
+constexpr std::ptrdiff_t kMinViews = 4;
+constexpr int kMaxTurns = 20;
 constexpr int kRandomStarts = 20;
 
 bool has_enough(const Sides& sides) {
   const auto second = std::ranges::count(sides, true);
-  return second >= kLeastViews && std::ssize(sides) - second >= kLeastViews;
+  return second >= kMinViews && std::ssize(sides) - second >= kMinViews;
 }
 
 // --- By one step of least squares ----------------------------------------------------------------
@@ -54,7 +54,7 @@ class LinearViews {
   /// @return by how much half the sum of squares falls; 0 where a camera loses its views
   double settle(Sides& sides) const {
     double gain = 0.0;
-    for (int turn = 0; turn < kMostTurns; ++turn) {
+    for (int turn = 0; turn < kMaxTurns; ++turn) {
       const std::array<VectorXd, 2> steps = {step(sides, false), step(sides, true)};
       Sides chosen;
       gain = 0.0;
@@ -98,7 +98,7 @@ class LinearViews {
 
 std::vector<Sides> starts(std::size_t size) {
   std::vector<Sides> all;
-  for (std::size_t i = kLeastViews; i + kLeastViews <= size; ++i) {
+  for (std::size_t i = kMinViews; i + kMinViews <= size; ++i) {
     Sides& sides = all.emplace_back(size, false);
     std::fill(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.end(), true);
   }
@@ -173,9 +173,9 @@ struct TwoCameras {
 
 /// By turns of a fit of both cameras and a choice for each view.
 TwoCameras settled_cameras(const Bundle& solved, Sides sides) {
-  constexpr int kMostFits = 6;
+  constexpr int kMaxFits = 6;
   TwoCameras best;
-  for (int turn = 0; turn < kMostFits && has_enough(sides); ++turn) {
+  for (int turn = 0; turn < kMaxFits && has_enough(sides); ++turn) {
     TwoCameras now{.sides = sides,
                    .lenses = {lens_of(solved, sides, false), lens_of(solved, sides, true)},
                    .square_px2 = 0.0};
@@ -199,12 +199,12 @@ TwoCameras settled_cameras(const Bundle& solved, Sides sides) {
 }
 
 bool is_preferred(const Bundle& solved, double one_px2, double two_px2) {
-  constexpr double kLeastExplained = 0.5;
+  constexpr double kMinExplained = 0.5;
   constexpr double kNumbersOfAView = 14.0;
   const auto views = static_cast<double>(solved.views.size());
   const double numbers = kNumbersOfAView * views;
   const double gain = numbers * std::log(one_px2 / two_px2);
-  return two_px2 < (1.0 - kLeastExplained) * one_px2 &&
+  return two_px2 < (1.0 - kMinExplained) * one_px2 &&
          gain > num_shared(solved) * std::log(numbers) + 2.0 * views * std::log(2.0);
 }
 
@@ -245,7 +245,7 @@ bool SecondCamera::is_one_after_the_other() const {
 
 std::optional<SecondCamera> find_second_camera(const Bundle& solved) {
   if (solved.are_poses_free || num_shared(solved) == 0 ||
-      std::ssize(solved.views) < 2 * kLeastViews) {
+      std::ssize(solved.views) < 2 * kMinViews) {
     return std::nullopt;
   }
   const Sides start = best_start(solved);

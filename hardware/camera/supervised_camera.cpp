@@ -259,7 +259,7 @@ Frame SupervisedCamera::capture() {
   Frame frame;
   int late_frames = 0;
   int timeouts = 0;
-  for (int retake = 0; retake <= kMostRetakes; ++retake) {
+  for (int retake = 0; retake <= kMaxRetakes; ++retake) {
     if (needs_new_stream_ && !renew_stream(frame)) {
       break;
     }

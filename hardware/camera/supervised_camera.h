@@ -29,7 +29,7 @@ struct CameraDeadlines {
   std::chrono::milliseconds longest_pause = std::chrono::milliseconds(2000);
 };
 
-inline constexpr int kMostRetakes = 3;
+inline constexpr int kMaxRetakes = 3;
 
 class SupervisedCamera final : public Camera {
  public:

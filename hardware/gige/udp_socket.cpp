@@ -111,8 +111,8 @@ bool UdpSocket::send(const Endpoint& to, BytesView packet) {
 }
 
 bool UdpSocket::receive(Bytes& packet, Endpoint& from) {
-  constexpr std::size_t kMostBytes = 65536;
-  packet.resize(kMostBytes);
+  constexpr std::size_t kMaxBytes = 65536;
+  packet.resize(kMaxBytes);
   sockaddr_in address = {};
   socklen_t size = sizeof(address);
   ssize_t count = -1;

@@ -63,13 +63,13 @@ std::vector<Vector3d> feet_on_rays(std::span<const PartRay> rays, const Matrix3d
 
 /// Turns to the points' feet on their rays, until it stands.
 Candidate iterated(std::span<const PartRay> rays, Matrix3d turn) {
-  constexpr int kMostSteps = 200;
+  constexpr int kMaxSteps = 200;
   std::vector<Vector3d> part;
   for (const PartRay& ray : rays) {
     part.push_back(ray.part_mm);
   }
   Candidate result;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const auto placed = place_by_points(part, feet_on_rays(rays, turn), 1.0);
     if (!placed.has_value()) {
       return result;
@@ -110,7 +110,7 @@ std::vector<Matrix3d> even_rotations() {
 }  // namespace
 
 std::vector<Isometry3d> first_placements(std::span<const PartRay> rays) {
-  constexpr std::size_t kMost = 4;
+  constexpr std::size_t kMax = 4;
   constexpr double kSameRad = 0.02;
   std::vector<Candidate> found;
   for (const Matrix3d& turn : even_rotations()) {
@@ -125,7 +125,7 @@ std::vector<Isometry3d> first_placements(std::span<const PartRay> rays) {
     const bool is_new = std::ranges::none_of(poses, [&](const Isometry3d& pose) {
       return angle_rad(pose.linear().transpose() * candidate.pose.linear()) < kSameRad;
     });
-    if (is_new && poses.size() < kMost) {
+    if (is_new && poses.size() < kMax) {
       poses.push_back(candidate.pose);
     }
   }

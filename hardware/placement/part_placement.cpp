@@ -287,8 +287,8 @@ std::optional<PlacedPart> place_by_pictures(const PlacingCamera& camera,
     used.robot_rad = used.robot_mm = 0.0;
   }
   Refinement work = refinement_of(used, pictures, start, sigma_px);
-  constexpr int kMostSteps = 50;
-  for (int step = 0; step < kMostSteps; ++step) {
+  constexpr int kMaxSteps = 50;
+  for (int step = 0; step < kMaxSteps; ++step) {
     // Weights change the target; they come in when the start's error has gone.
     const auto normal = normal_equations(work, step >= 3);
     if (!normal.has_value() || !is_determined(normal->information)) {

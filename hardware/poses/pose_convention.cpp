@@ -20,8 +20,8 @@ constexpr std::array<std::string_view, 3> kDirections = {
 constexpr std::array<std::string_view, 6> kRotations = {
     "auto", "matrix", "quaternion_wxyz", "quaternion_xyzw", "rotation_vector", "euler"};
 constexpr std::array<std::string_view, 3> kAngles = {"auto", "rad", "deg"};
-constexpr double kMostReachInMetres = 10.0;
-constexpr double kLeastReachInMm = 10.0;
+constexpr double kMaxReachInMetres = 10.0;
+constexpr double kMinReachInMm = 10.0;
 constexpr double kLargestNumber = 1e6;  ///< of a pose: no robot reaches a kilometre
 constexpr double kFullTurnRad = 2.0 * kPi;
 constexpr double kLooksLikeRadians = 3.2;  ///< where no angle is larger
@@ -210,19 +210,19 @@ void resolve_unit(std::span<const WrittenPose> poses, ResolvedConvention& resolv
   PoseUnit& unit = resolved.convention.unit;
   const double reach = median_reach(poses);
   if (unit == PoseUnit::kAuto) {
-    unit = reach < kMostReachInMetres ? PoseUnit::kMetre : PoseUnit::kMillimetre;
+    unit = reach < kMaxReachInMetres ? PoseUnit::kMetre : PoseUnit::kMillimetre;
     resolved.told.push_back(
         fmt::format("unit = \"{}\": guessed, the flange is {:.3g} from the base (median)",
                     name_of(unit, kUnits),
                     reach));
-  } else if (unit == PoseUnit::kMillimetre && reach < kLeastReachInMm) {
+  } else if (unit == PoseUnit::kMillimetre && reach < kMinReachInMm) {
     refuse_key(
         poses.front().place,
         "unit",
         fmt::format("is \"mm\", but the flange is {:.3g} from the base (median): are they metres? "
                     "allowed is unit = \"m\"",
                     reach));
-  } else if (unit == PoseUnit::kMetre && reach > kMostReachInMetres) {
+  } else if (unit == PoseUnit::kMetre && reach > kMaxReachInMetres) {
     refuse_key(
         poses.front().place,
         "unit",

@@ -74,9 +74,9 @@ Keys unmatched(std::span<const std::string> names, const Keys& keys, const Keys&
 }
 
 std::string listed(const Keys& names) {
-  constexpr std::size_t kMost = 5;
-  const std::span<const std::string> shown(names.data(), std::min(names.size(), kMost));
-  return fmt::format("{}{}", fmt::join(shown, ", "), names.size() > kMost ? ", ..." : "");
+  constexpr std::size_t kMax = 5;
+  const std::span<const std::string> shown(names.data(), std::min(names.size(), kMax));
+  return fmt::format("{}{}", fmt::join(shown, ", "), names.size() > kMax ? ", ..." : "");
 }
 
 std::vector<std::size_t> indices(const Keys& pictures, const Keys& poses) {

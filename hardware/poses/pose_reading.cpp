@@ -12,7 +12,7 @@
 namespace glint {
 namespace {
 
-constexpr double kMostFromRotation = 0.01;  ///< of an element of R R^T - 1; rounding leaves 1e-3
+constexpr double kMaxFromRotation = 0.01;  ///< of an element of R R^T - 1; rounding leaves 1e-3
 
 bool is_matrix(const WrittenPose& pose) {
   return pose.numbers.size() == 12 || pose.numbers.size() == 16;
@@ -22,14 +22,14 @@ bool is_matrix(const WrittenPose& pose) {
 Eigen::Matrix3d checked_rotation(const Eigen::Matrix3d& matrix, const Place& place) {
   const double off =
       (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(off <= kMostFromRotation)) {
+  if (!(off <= kMaxFromRotation)) {
     refuse_key(
         place,
         "pose",
         fmt::format("its matrix is no rotation: rows times rows differ from 1 by {:.3g}, at most "
                     "{} is allowed",
                     off,
-                    kMostFromRotation));
+                    kMaxFromRotation));
   }
   if (matrix.determinant() < 0.0) {
     refuse_key(
@@ -56,7 +56,7 @@ Eigen::Matrix3d quaternion_rotation(const WrittenPose& pose, bool is_w_first) {
   const auto& n = pose.numbers;
   const Eigen::Quaterniond quaternion = is_w_first ? Eigen::Quaterniond(n[3], n[4], n[5], n[6])
                                                    : Eigen::Quaterniond(n[6], n[3], n[4], n[5]);
-  if (!(std::abs(quaternion.norm() - 1.0) <= kMostFromRotation)) {
+  if (!(std::abs(quaternion.norm() - 1.0) <= kMaxFromRotation)) {
     refuse_key(pose.place,
                "pose",
                fmt::format("its quaternion has the length {:.4g}, must be 1", quaternion.norm()));

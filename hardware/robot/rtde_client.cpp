@@ -8,7 +8,7 @@
 namespace glint {
 namespace {
 
-constexpr std::size_t kMostTexts = 20;
+constexpr std::size_t kMaxTexts = 20;
 
 RtdeKind expected_kind(int step) {
   constexpr std::array<RtdeKind, 6> kKinds = {RtdeKind::kProtocolVersion,
@@ -66,7 +66,7 @@ void RtdeClient::take_text(std::string_view payload) {
     return;
   }
   texts_.push_back(text.message);
-  if (texts_.size() > kMostTexts) {
+  if (texts_.size() > kMaxTexts) {
     texts_.erase(texts_.begin());
   }
 }

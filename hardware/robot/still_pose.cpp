@@ -27,7 +27,7 @@ void StillPoseRule::add(const RobotState& state) {
 }
 
 std::optional<StillPose> StillPoseRule::pose() const {
-  if (packages_ < kFewestPackages || last_s_ - first_s_ < kFewestSeconds) {
+  if (packages_ < kMinPackages || last_s_ - first_s_ < kMinSeconds) {
     return std::nullopt;
   }
   StillPose pose = {

@@ -21,8 +21,8 @@ struct StillPose {
 /// that breaks this, or a program that runs, begins anew.
 class StillPoseRule {
  public:
-  static constexpr int kFewestPackages = 25;
-  static constexpr double kFewestSeconds = 0.1;
+  static constexpr int kMinPackages = 25;
+  static constexpr double kMinSeconds = 0.1;
   static constexpr double kSpeedRadS = 1e-3;
   static constexpr double kTargetRad = 1e-4;
 

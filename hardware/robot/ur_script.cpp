@@ -36,8 +36,8 @@ std::string move_text(const CheckedMotion& motion) {
 }  // namespace
 
 ScriptAck ScriptAck::after(std::int32_t held) {
-  constexpr std::int32_t kMost = 1000000;
-  const std::int32_t begun = held < 0 || held >= kMost - 3 ? 1 : held + 1;
+  constexpr std::int32_t kMax = 1000000;
+  const std::int32_t begun = held < 0 || held >= kMax - 3 ? 1 : held + 1;
   return {.begun = begun, .beat = begun + 1, .ended = begun + 2};
 }
 

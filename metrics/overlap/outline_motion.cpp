@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr std::size_t kLeastOffsets = 12;
+constexpr std::size_t kMinOffsets = 12;
 constexpr int kRounds = 12;
 constexpr double kTukey = 4.685;
 constexpr double kFaint = 1e-6;  ///< pull to zero of what no edge tells of
@@ -80,7 +80,7 @@ OutlineMotion fit_outline_motion(std::span<const EdgeOffset> offsets,
   for (const EdgeOffset& edge : offsets) {
     extent = std::max(extent, (edge.at_px - motion.middle_px).norm());
   }
-  const Eigen::Index free = is_shift_only || offsets.size() < kLeastOffsets ? 2 : 6;
+  const Eigen::Index free = is_shift_only || offsets.size() < kMinOffsets ? 2 : 6;
   Vector6 values = Vector6::Zero();
   for (int round = 0; round < kRounds; ++round) {
     values = refitted(offsets,

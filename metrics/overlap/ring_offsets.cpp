@@ -45,9 +45,9 @@ void fill_ring(std::span<const EdgeOffset> offsets, const Vector2d& centre_px, O
     }
   }
   // A direction that less than some edges' worth of normals tells of is not known.
-  constexpr double kLeast = 5.0;
-  ring.has_radial = normal(0, 0) >= kLeast;
-  ring.has_tangential = normal(1, 1) >= kLeast;
+  constexpr double kMin = 5.0;
+  ring.has_radial = normal(0, 0) >= kMin;
+  ring.has_tangential = normal(1, 1) >= kMin;
   if (ring.has_radial && ring.has_tangential &&
       normal.determinant() > 0.01 * normal(0, 0) * normal(1, 1)) {
     const Vector2d both = normal.inverse() * right;

@@ -284,7 +284,7 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
                                   .num_objectives = num_objectives,
                                   .reference = std::move(reference),
                                   .exact = settings.rules > 2 ? std::move(exact) : ExactValues(),
-                                  .takes_slopes = settings.derivatives,
+                                  .takes_derivatives = settings.derivatives,
                                   .rules = settings.rules};
     return std::make_unique<GaussianSearch>(space, plan, std::move(start_points));
   }

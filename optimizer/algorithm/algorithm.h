@@ -55,7 +55,8 @@ namespace glint {
 
 /// How methods choose and search. A run keeps the rules that it began with: they stand in its log.
 /// 1: under noise `auto` is cobyla; gp asks by ParEGO weights where there are several objectives.
-/// 2: under noise `auto` is gp; gp asks by the expected gain of hypervolume, climbs the slopes of
+/// 2: under noise `auto` is gp; gp asks by the expected gain of hypervolume, climbs the derivatives
+/// of
 ///    what it promises, and logs the parameters of its models.
 /// 3: gp knows scores that follow from a design alone, and takes derivatives.
 /// 4: gp models the signed logarithm of limits.

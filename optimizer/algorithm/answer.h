@@ -19,8 +19,8 @@ struct ValueWithGradient {
   std::vector<double> gradient;  ///< empty: not known
 };
 
-/// Smaller is better everywhere; all numbers are finite. Slopes have one entry per coordinate, 0
-/// for those that cannot be varied continuously.
+/// Smaller is better everywhere; all numbers are finite. Derivatives have one entry per coordinate,
+/// 0 for those that cannot be varied continuously.
 struct Answer {
   double merit = 0.0;           ///< penalties included: all that derivative-free methods look at
   bool is_failed = false;       ///< merit is made up then, and the rest is empty

@@ -24,8 +24,8 @@ namespace glint {
 
 class AskTellThread {
  public:
-  /// Evaluates a point; empty means: stop now and return. Valid only on the body's thread. Slopes
-  /// are by the coordinates of that point.
+  /// Evaluates a point; empty means: stop now and return. Valid only on the body's thread.
+  /// Derivatives are by the coordinates of that point.
   using Call = std::function<std::optional<Answer>(const std::vector<double>&)>;
   /// The optimiser. Returns, or throws, when it has finished; the text says why.
   using Body = std::function<std::string(const Call&)>;

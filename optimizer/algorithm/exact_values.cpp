@@ -14,7 +14,7 @@ double log_limit(double value) {
   return std::copysign(std::log1p(std::abs(value)), value);
 }
 
-double log_limit_slope(double value) {
+double log_limit_derivative(double value) {
   return 1.0 / (1.0 + std::abs(value));
 }
 

@@ -16,7 +16,7 @@ namespace glint {
 /// steep as it was, while a design far outside no longer decides how the model looks beside it.
 double log_limit(double value);
 /// Its derivative.
-double log_limit_slope(double value);
+double log_limit_derivative(double value);
 
 class ExactValues {
  public:

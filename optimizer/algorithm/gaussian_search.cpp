@@ -22,20 +22,10 @@ constexpr int kNumRefined = 60;
 /// Keeps the random numbers of questions apart from the other users of the study's seed.
 constexpr std::uint64_t kAskSeeds = 1ULL << 35;
 
-/// With more of them parameters are sought from the last ones only.
-constexpr int kMaxFreshPoints = 100;
 /// Derivatives in each model while its parameters are sought.
-constexpr int kMaxFittedSlopes = 60;
+constexpr int kMaxFittedDerivatives = 60;
 /// From what is expected of a derivative without it, in standard deviations.
 constexpr double kContradiction = 5.0;
-
-GaussianProcessSettings model_settings(int rules, bool is_noisy, bool takes_slopes) {
-  return rules > 1 ? GaussianProcessSettings{.is_noisy = is_noisy,
-                                             .max_steps = 15,
-                                             .max_fresh_points = kMaxFreshPoints,
-                                             .takes_slopes = takes_slopes}
-                   : GaussianProcessSettings{.is_noisy = is_noisy, .max_steps = 20};
-}
 
 }  // namespace
 
@@ -111,8 +101,8 @@ void GaussianSearch::restore_ask(const Point& point) {
 }
 
 void GaussianSearch::restore_model(std::span<const double> parameters) {
-  const std::size_t size =
-      static_cast<std::size_t>(num_parameters(Encoding(space_))) + (plan_.takes_slopes ? 1U : 0U);
+  const std::size_t size = static_cast<std::size_t>(num_parameters(Encoding(space_))) +
+                           (plan_.takes_derivatives ? 1U : 0U);
   GLINT_CHECK(parameters.size() % size == 0, "parameters of whole models");
   Fit fit{.num_told = told_.size(), .parameters = {}};
   for (std::size_t i = 0; i < parameters.size(); i += size) {
@@ -179,9 +169,9 @@ void GaussianSearch::tell(const Point& point, const Answer& answer) {
     for (std::size_t i = 0; i < answer.limits.size(); ++i) {
       add_limit(answer, i, told);
     }
-    if (plan_.takes_slopes) {
-      told.slopes.insert(told.slopes.begin(),
-                         unit_slopes(space_, point, answer.objective.gradient));
+    if (plan_.takes_derivatives) {
+      told.derivatives.insert(told.derivatives.begin(),
+                              unit_derivatives(space_, point, answer.objective.gradient));
     }
     GLINT_CHECK(
         told.values.size() == static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits),
@@ -195,16 +185,16 @@ void GaussianSearch::tell(const Point& point, const Answer& answer) {
 void GaussianSearch::add_limit(const Answer& answer, std::size_t i, ToldDesign& told) const {
   const ValueWithGradient& limit = answer.limits[i];
   const bool has_log = plan_.rules > 3;
-  const double slope = has_log ? log_limit_slope(limit.value) : 1.0;
+  const double derivative = has_log ? log_limit_derivative(limit.value) : 1.0;
   const bool is_known = plan_.rules > 4 && i < answer.limit_errors.size();
   told.values.push_back(has_log ? log_limit(limit.value) : limit.value);
-  told.errors.push_back(is_known ? slope * answer.limit_errors[i] : std::nan(""));
-  if (plan_.takes_slopes) {
+  told.errors.push_back(is_known ? derivative * answer.limit_errors[i] : std::nan(""));
+  if (plan_.takes_derivatives) {
     std::vector<double> gradient = limit.gradient;
     for (double& by_unit : gradient) {
-      by_unit *= slope;
+      by_unit *= derivative;
     }
-    told.slopes.push_back(unit_slopes(space_, told.point, gradient));
+    told.derivatives.push_back(unit_derivatives(space_, told.point, gradient));
   }
 }
 
@@ -225,10 +215,10 @@ void GaussianSearch::add_models(bool has_failures) {
   const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
   while (models_.size() < num_values) {
     const bool is_noisy = plan_.is_noisy && !plan_.exact.is_exact(models_.size());
-    models_.emplace_back(space_, model_settings(plan_.rules, is_noisy, plan_.takes_slopes));
+    models_.emplace_back(space_, model_settings(plan_.rules, is_noisy, plan_.takes_derivatives));
   }
   if (has_failures && models_.size() == num_values) {
-    models_.emplace_back(space_, model_settings(plan_.rules, true, plan_.takes_slopes));
+    models_.emplace_back(space_, model_settings(plan_.rules, true, plan_.takes_derivatives));
   }
 }
 
@@ -236,21 +226,22 @@ void GaussianSearch::refit() {
   const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
   add_models(num_succeeded_ < told_.size());
   const ModelData data = model_data(told_, num_values);
-  max_slopes_ = slopes_per_model(told_, num_values);
+  max_derivatives_ = derivatives_per_model(told_, num_values);
   for (std::size_t k = 0; k < num_values; ++k) {
-    const std::vector<UnitSlopes> slopes =
-        plan_.takes_slopes
-            ? nearest_slopes(space_, told_, data, k, std::min(max_slopes_, kMaxFittedSlopes))
-            : std::vector<UnitSlopes>{};
-    models_[k].fit(data.points, data.values[k], data.errors[k], slopes);
+    const std::vector<UnitDerivatives> derivatives =
+        plan_.takes_derivatives
+            ? nearest_derivatives(
+                  space_, told_, data, k, std::min(max_derivatives_, kMaxFittedDerivatives))
+            : std::vector<UnitDerivatives>{};
+    models_[k].fit(data.points, data.values[k], data.errors[k], derivatives);
   }
   if (models_.size() > num_values) {
     models_[num_values].fit(data.all, data.failures);
   }
-  if (plan_.takes_slopes) {
+  if (plan_.takes_derivatives) {
     std::vector<KernelParameters> parameters;
     std::ranges::transform(models_, std::back_inserter(parameters), &GaussianProcess::parameters);
-    if (const int dropped = set_with_slopes(data, parameters); dropped > 0) {
+    if (const int dropped = set_with_derivatives(data, parameters); dropped > 0) {
       add_event(EventKind::kNote,
                 0,
                 std::to_string(dropped) +
@@ -270,8 +261,8 @@ void GaussianSearch::refit() {
 }
 
 /// The models of objectives and limits with given parameters. @return derivatives let go
-int GaussianSearch::set_with_slopes(const ModelData& data,
-                                    const std::vector<KernelParameters>& parameters) {
+int GaussianSearch::set_with_derivatives(const ModelData& data,
+                                         const std::vector<KernelParameters>& parameters) {
   const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
   int dropped = 0;
   for (std::size_t k = 0; k < num_values; ++k) {
@@ -279,8 +270,8 @@ int GaussianSearch::set_with_slopes(const ModelData& data,
                    data.points,
                    data.values[k],
                    data.errors[k],
-                   nearest_slopes(space_, told_, data, k, max_slopes_));
-    dropped += models_[k].drop_contradicted_slopes(kContradiction);
+                   nearest_derivatives(space_, told_, data, k, max_derivatives_));
+    dropped += models_[k].drop_contradicted_derivatives(kContradiction);
   }
   return dropped;
 }
@@ -292,9 +283,9 @@ void GaussianSearch::rebuild(const Fit& fit) {
   GLINT_CHECK(fit.parameters.size() == models_.size(), "parameters of every model");
   const auto told = std::span<const ToldDesign>(told_).first(fit.num_told);
   const ModelData data = model_data(told, num_values);
-  max_slopes_ = slopes_per_model(told, num_values);
-  if (plan_.takes_slopes) {
-    set_with_slopes(data, fit.parameters);
+  max_derivatives_ = derivatives_per_model(told, num_values);
+  if (plan_.takes_derivatives) {
+    set_with_derivatives(data, fit.parameters);
   } else {
     for (std::size_t k = 0; k < num_values; ++k) {
       models_[k].set(fit.parameters[k], data.points, data.values[k], data.errors[k]);
@@ -319,10 +310,13 @@ void GaussianSearch::add_to_models(const ToldDesign& told) {
   const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
   const bool is_failed = told.values.empty();
   for (std::size_t k = 0; k < num_values && !is_failed; ++k) {
-    const bool has_room = k < told.slopes.size() &&
-                          models_[k].num_slopes() + num_known(told.slopes[k]) <= max_slopes_;
-    models_[k].add(
-        told.point, told.values[k], told.errors[k], has_room ? told.slopes[k] : UnitSlopes{});
+    const bool has_room =
+        k < told.derivatives.size() &&
+        models_[k].num_derivatives() + num_known(told.derivatives[k]) <= max_derivatives_;
+    models_[k].add(told.point,
+                   told.values[k],
+                   told.errors[k],
+                   has_room ? told.derivatives[k] : UnitDerivatives{});
   }
   if (models_.size() > num_values) {
     models_[num_values].add(told.point, is_failed ? kFailure : kSuccess);

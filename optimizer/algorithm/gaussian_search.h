@@ -9,7 +9,8 @@
 // - The models' parameters are chosen anew when a quarter more has been told, in between data are
 //   added. Beyond 800 told designs the models know at most 800 of them: the best, and others evenly
 //   in the order of telling.
-// - With derivatives (GaussianSearchPlan::takes_slopes) models know those of designs near the best
+// - With derivatives (GaussianSearchPlan::takes_derivatives) models know those of designs near the
+// best
 //   one, 300 in all; which contradict the rest is found by leaving each out.
 // - Which questions reach everywhere is told by far_questions.h.
 // - No design is asked twice, so a finite space ends.
@@ -41,7 +42,7 @@ struct GaussianSearchPlan {
   int num_objectives = 1;
   std::vector<double> reference = {};  ///< of several objectives, NaN where not given; or empty
   ExactValues exact = {};              ///< of rules 3 and later
-  bool takes_slopes = false;           ///< of one objective: derivatives are observed, too
+  bool takes_derivatives = false;      ///< of one objective: derivatives are observed, too
   int rules = kSearchRules;
 };
 
@@ -81,7 +82,7 @@ class GaussianSearch final : public Algorithm {
   void update_models();
   void refit();
   void rebuild(const Fit& fit);
-  int set_with_slopes(const ModelData& data, const std::vector<KernelParameters>& parameters);
+  int set_with_derivatives(const ModelData& data, const std::vector<KernelParameters>& parameters);
   void note_fit(std::size_t num_told);
   void add_models(bool has_failures);
   void add_to_models(const ToldDesign& told);
@@ -103,7 +104,7 @@ class GaussianSearch final : public Algorithm {
   std::vector<Point> model_points_;      ///< of the objectives' models, in their order
   std::size_t num_in_models_ = 0;        ///< of told_
   std::size_t next_refit_ = 0;
-  int max_slopes_ = 0;  ///< derivatives that a model may know
+  int max_derivatives_ = 0;  ///< derivatives that a model may know
   std::uint32_t next_sobol_ = 0;
   std::uint64_t num_asks_ = 0;
 };

@@ -4,10 +4,10 @@
 //
 // merit = objective (negated when maximised) + scale * sum of weight * log(1 + violation), where a
 // violation is how far a score is outside its limit, as a part of the limit. The logarithm has
-// slope 1 at the limit, so the border is as steep as without it, while designs far outside do not
-// drown the model of a local method. With several objectives their place is taken by the mean of
-// each one's value in parts of its own spread, and the scale is kPenaltyFactor; only the choice of
-// the designs that a large model keeps depends on it.
+// derivative 1 at the limit, so the border is as steep as without it, while designs far outside do
+// not drown the model of a local method. With several objectives their place is taken by the mean
+// of each one's value in parts of its own spread, and the scale is kPenaltyFactor; only the choice
+// of the designs that a large model keeps depends on it.
 //
 // The scale is kPenaltyFactor times the spread (largest minus smallest objective) of the first
 // evaluations told, as many as the initial design has; then it stays. It depends on nothing but

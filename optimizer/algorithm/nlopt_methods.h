@@ -10,8 +10,8 @@
 //   objective is scaled for each run; they ask for one point several times, so it is kept.
 //
 // A gradient method steps back from a failed evaluation, which looks to it as bad as the worst of
-// its run, without slope. A run whose first evaluation fails ends, and so does one after several
-// failures in a row.
+// its run, without derivative. A run whose first evaluation fails ends, and so does one after
+// several failures in a row.
 #pragma once
 
 #include <cstdint>

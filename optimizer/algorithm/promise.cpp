@@ -34,7 +34,7 @@ std::size_t max_front(std::size_t num_objectives) {
 }
 
 /// Of log(E[max(0, best - f)]) and log P(f < 0), by mean and sigma of f.
-struct Sloped {
+struct Differentiable {
   double value = 0.0;
   double by_mean = 0.0;
   double by_sigma = 0.0;
@@ -44,13 +44,13 @@ double log_density(double z) {
   return -0.5 * z * z - 0.5 * std::log(2.0 * std::numbers::pi);
 }
 
-Sloped log_improvement(double best, double mean, double sigma) {
+Differentiable log_improvement(double best, double mean, double sigma) {
   const double z = (best - mean) / sigma;
   const double value = log_expected_improvement(best, mean, sigma);
   return {value, -std::exp(log_normal_probability(z) - value), std::exp(log_density(z) - value)};
 }
 
-Sloped log_chance(double mean, double sigma) {
+Differentiable log_chance(double mean, double sigma) {
   const double z = -mean / sigma;
   const double value = log_normal_probability(z);
   const double by_z = std::exp(log_density(z) - value);
@@ -225,31 +225,34 @@ MatrixXd Promise::shifts(const MatrixXd& rows, const MatrixXd& exact) const {
   return shifts;
 }
 
-VectorXd Promise::scores(const MatrixXd& rows, const MatrixXd& shifts, MatrixXd& slopes) const {
+VectorXd Promise::scores(const MatrixXd& rows,
+                         const MatrixXd& shifts,
+                         MatrixXd& derivatives) const {
   VectorXd scores = VectorXd::Zero(rows.rows());
-  slopes = MatrixXd::Zero(rows.rows(), rows.cols() - 1);
-  std::vector<SlopedPosterior> expected;
+  derivatives = MatrixXd::Zero(rows.rows(), rows.cols() - 1);
+  std::vector<PosteriorWithDerivatives> expected;
   for (const GaussianProcess& model : models_) {
-    expected.push_back(model.predict_with_slopes(rows));
+    expected.push_back(model.predict_with_derivatives(rows));
   }
   for (Index k = 0; k < shifts.cols(); ++k) {
     expected[static_cast<std::size_t>(k)].mean += shifts.col(k);
   }
   const auto add = [&](std::size_t k, Index i, double by_mean, double by_sigma) {
     const double sigma = std::sqrt(expected[k].variance[i]);
-    slopes.row(i) += by_mean * expected[k].mean_slopes.row(i) +
-                     0.5 * by_sigma / sigma * expected[k].variance_slopes.row(i);
+    derivatives.row(i) += by_mean * expected[k].mean_derivatives.row(i) +
+                          0.5 * by_sigma / sigma * expected[k].variance_derivatives.row(i);
   };
   std::vector<double> means(num_objectives_);
   std::vector<double> sigmas(num_objectives_);
   for (Index i = 0; i < rows.rows(); ++i) {
     for (std::size_t k = num_objectives_; k < models_.size(); ++k) {
-      const Sloped chance = log_chance(expected[k].mean[i], std::sqrt(expected[k].variance[i]));
+      const Differentiable chance =
+          log_chance(expected[k].mean[i], std::sqrt(expected[k].variance[i]));
       scores[i] += chance.value;
       add(k, i, chance.by_mean, chance.by_sigma);
     }
     if (has_feasible_ && num_objectives_ == 1) {
-      const Sloped gain =
+      const Differentiable gain =
           log_improvement(best_, expected[0].mean[i], std::sqrt(expected[0].variance[i]));
       scores[i] += gain.value;
       add(0, i, gain.by_mean, gain.by_sigma);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// How promising a design is, by rules 2 (SearchSettings::rules), as a logarithm with its slopes.
+// How promising a design is, by rules 2 (SearchSettings::rules), as a logarithm with its
+// derivatives.
 //
 // One objective: the expected improvement on the best expected design (D. Jones, M. Schonlau and
 // W. Welch, J. Global Optim. 13, 1998). Several: the expected gain of hypervolume beyond the front
@@ -40,10 +41,10 @@ class Promise {
   Eigen::MatrixXd shifts(const Eigen::MatrixXd& rows, const Eigen::MatrixXd& exact) const;
   /// By the models, their means shifted.
   /// @param shifts  as shifts(); may have no columns
-  /// @param slopes  becomes the derivatives by the encoded columns, one row per row
+  /// @param derivatives  becomes the derivatives by the encoded columns, one row per row
   Eigen::VectorXd scores(const Eigen::MatrixXd& rows,
                          const Eigen::MatrixXd& shifts,
-                         Eigen::MatrixXd& slopes) const;
+                         Eigen::MatrixXd& derivatives) const;
 
   /// Which of the points that the first model knows are expected to be the best, or of several
   /// objectives on the front; at least one.

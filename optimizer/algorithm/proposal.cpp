@@ -218,27 +218,27 @@ class Proposer {
     MatrixXd steps = kFirstAscent * mask;
     MatrixXd before = MatrixXd::Zero(mask.rows(), mask.cols());
     for (int step = 0; step < kNumSteps; ++step) {
-      MatrixXd slopes;
-      const VectorXd scores = promise_.scores(rows, shifts, slopes);
+      MatrixXd derivatives;
+      const VectorXd scores = promise_.scores(rows, shifts, derivatives);
       for (Index i = 0; i < rows.rows(); ++i) {
         if (scores[i] > best[i]) {
           best[i] = scores[i];
           best_rows.row(i) = rows.row(i);
         }
         for (Index c = 0; c < mask.cols(); ++c) {
-          const double turn = slopes(i, c) * before(i, c);
+          const double turn = derivatives(i, c) * before(i, c);
           if (turn < 0.0) {
             steps(i, c) *= kShorter;
-            slopes(i, c) = 0.0;
+            derivatives(i, c) = 0.0;
           } else if (turn > 0.0) {
             steps(i, c) = std::min(kLongestStep * mask(i, c), kLonger * steps(i, c));
           }
-          const double sign = slopes(i, c) > 0.0 ? 1.0 : slopes(i, c) < 0.0 ? -1.0 : 0.0;
+          const double sign = derivatives(i, c) > 0.0 ? 1.0 : derivatives(i, c) < 0.0 ? -1.0 : 0.0;
           if (mask(i, c) > 0.0) {
             const double next = rows(i, c) + sign * steps(i, c);
             rows(i, c) = std::clamp(next, low(i, c), high(i, c));
           }
-          before(i, c) = slopes(i, c);
+          before(i, c) = derivatives(i, c);
         }
       }
     }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The design that promises most, by rules 2: even and local candidates, of which the best few that
-// lie apart climb the slopes of the promise over their continuous variables, all at once (Rprop:
-// M. Riedmiller and H. Braun, IEEE ICNN 1993; signs of slopes only, so nothing depends on scales).
+// lie apart climb the derivatives of the promise over their continuous variables, all at once
+// (Rprop: M. Riedmiller and H. Braun, IEEE ICNN 1993; signs of derivatives only, so nothing depends
+// on scales).
 #pragma once
 
 #include <array>

@@ -9,7 +9,7 @@ namespace glint {
 
 namespace {
 
-constexpr int kMaxSlopes = 300;
+constexpr int kMaxDerivatives = 300;
 
 std::vector<std::size_t> to_model(std::span<const ToldDesign> designs) {
   std::vector<std::size_t> indices(designs.size());
@@ -62,27 +62,27 @@ bool keeps_limits(const ToldDesign& told, int num_objectives) {
                                              [](double excess) { return excess <= 0.0; });
 }
 
-int num_known(const UnitSlopes& slopes) {
-  return static_cast<int>(
-      std::ranges::count_if(slopes, [](double slope) { return std::isfinite(slope); }));
+int num_known(const UnitDerivatives& derivatives) {
+  return static_cast<int>(std::ranges::count_if(
+      derivatives, [](double derivative) { return std::isfinite(derivative); }));
 }
 
-int slopes_per_model(std::span<const ToldDesign> designs, std::size_t num_values) {
+int derivatives_per_model(std::span<const ToldDesign> designs, std::size_t num_values) {
   int count = 0;
   for (std::size_t k = 0; k < num_values; ++k) {
     const auto has_any = [k](const ToldDesign& told) {
-      return k < told.slopes.size() && num_known(told.slopes[k]) > 0;
+      return k < told.derivatives.size() && num_known(told.derivatives[k]) > 0;
     };
     count += std::ranges::any_of(designs, has_any) ? 1 : 0;
   }
-  return count > 0 ? kMaxSlopes / count : 0;
+  return count > 0 ? kMaxDerivatives / count : 0;
 }
 
-std::vector<UnitSlopes> nearest_slopes(const SearchSpace& space,
-                                       std::span<const ToldDesign> designs,
-                                       const ModelData& data,
-                                       std::size_t value,
-                                       int room) {
+std::vector<UnitDerivatives> nearest_derivatives(const SearchSpace& space,
+                                                 std::span<const ToldDesign> designs,
+                                                 const ModelData& data,
+                                                 std::size_t value,
+                                                 int room) {
   if (designs.empty() || data.told.empty()) {
     return {};
   }
@@ -101,26 +101,36 @@ std::vector<UnitSlopes> nearest_slopes(const SearchSpace& space,
   std::vector<std::size_t> order(data.points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return distances[i]; });
-  std::vector<UnitSlopes> slopes(data.points.size());
+  std::vector<UnitDerivatives> derivatives(data.points.size());
   for (const std::size_t i : order) {
-    const UnitSlopes& known = designs[data.told[i]].slopes[value];
+    const UnitDerivatives& known = designs[data.told[i]].derivatives[value];
     room -= num_known(known);
     if (room < 0) {
       break;
     }
-    slopes[i] = known;
+    derivatives[i] = known;
   }
-  return slopes;
+  return derivatives;
 }
 
-UnitSlopes unit_slopes(const SearchSpace& space,
-                       const Point& point,
-                       const std::vector<double>& gradient) {
-  UnitSlopes slopes = gradient;
-  for (std::size_t i = 0; i < slopes.size(); ++i) {
-    slopes[i] = derivative_at(space, point, i) == 0.0 ? std::nan("") : slopes[i];
+UnitDerivatives unit_derivatives(const SearchSpace& space,
+                                 const Point& point,
+                                 const std::vector<double>& gradient) {
+  UnitDerivatives derivatives = gradient;
+  for (std::size_t i = 0; i < derivatives.size(); ++i) {
+    derivatives[i] = derivative_at(space, point, i) == 0.0 ? std::nan("") : derivatives[i];
   }
-  return slopes;
+  return derivatives;
+}
+
+GaussianProcessSettings model_settings(int rules, bool is_noisy, bool takes_derivatives) {
+  /// With more points parameters are sought from the last ones only.
+  constexpr int kMaxFreshPoints = 100;
+  return rules > 1 ? GaussianProcessSettings{.is_noisy = is_noisy,
+                                             .max_steps = 15,
+                                             .max_fresh_points = kMaxFreshPoints,
+                                             .takes_derivatives = takes_derivatives}
+                   : GaussianProcessSettings{.is_noisy = is_noisy, .max_steps = 20};
 }
 
 }  // namespace glint

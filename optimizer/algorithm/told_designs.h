@@ -15,9 +15,9 @@ namespace glint {
 
 struct ToldDesign {
   Point point;
-  std::vector<double> values;           ///< objectives, then limits; empty: failed
-  std::vector<double> errors;           ///< of values; NaN: not known
-  std::vector<UnitSlopes> slopes = {};  ///< of values; empty: none are taken
+  std::vector<double> values;                     ///< objectives, then limits; empty: failed
+  std::vector<double> errors;                     ///< of values; NaN: not known
+  std::vector<UnitDerivatives> derivatives = {};  ///< of values; empty: none are taken
   double merit = 0.0;
 };
 
@@ -46,23 +46,26 @@ ModelData model_data(std::span<const ToldDesign> designs, std::size_t num_values
 /// Whether it succeeded within all limits.
 bool keeps_limits(const ToldDesign& told, int num_objectives);
 
-int num_known(const UnitSlopes& slopes);
+int num_known(const UnitDerivatives& derivatives);
 
 /// How many derivatives a model may know: 300 in all, shared by the values that have any.
-int slopes_per_model(std::span<const ToldDesign> designs, std::size_t num_values);
+int derivatives_per_model(std::span<const ToldDesign> designs, std::size_t num_values);
 
 /// Derivatives of one value at the points of the data: of those nearest to the one of the best
-/// merit, as many as there is room for. @param designs  with slopes; or empty, as is the result
-/// then
-std::vector<UnitSlopes> nearest_slopes(const SearchSpace& space,
-                                       std::span<const ToldDesign> designs,
-                                       const ModelData& data,
-                                       std::size_t value,
-                                       int room);
+/// merit, as many as there is room for. @param designs  with derivatives; or empty, as is the
+/// result then
+std::vector<UnitDerivatives> nearest_derivatives(const SearchSpace& space,
+                                                 std::span<const ToldDesign> designs,
+                                                 const ModelData& data,
+                                                 std::size_t value,
+                                                 int room);
 
 /// NaN for variables that are not smooth at this point. @param gradient  empty: not known
-UnitSlopes unit_slopes(const SearchSpace& space,
-                       const Point& point,
-                       const std::vector<double>& gradient);
+UnitDerivatives unit_derivatives(const SearchSpace& space,
+                                 const Point& point,
+                                 const std::vector<double>& gradient);
+
+/// How the models of such designs are fitted, by the rules of the search (SearchSettings::rules).
+GaussianProcessSettings model_settings(int rules, bool is_noisy, bool takes_derivatives);
 
 }  // namespace glint

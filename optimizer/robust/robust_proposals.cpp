@@ -224,9 +224,9 @@ std::vector<Candidate> best_ones(const RobustTask& task,
 }  // namespace
 
 std::vector<Proposal> propose_robust(const RobustTask& task, const Point& winner, int count) {
-  constexpr std::size_t kFewestTrials = 3;
+  constexpr std::size_t kMinTrials = 3;
   const std::vector<const Trial*> trials = trials_to_model(task);
-  if (trials.size() < kFewestTrials) {
+  if (trials.size() < kMinTrials) {
     return {};
   }
   const BuiltModel model(task, trials);

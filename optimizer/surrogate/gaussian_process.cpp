@@ -36,13 +36,14 @@ double best_mean(const VectorXd& inverse_ones, const VectorXd& values, double su
 GaussianProcess::GaussianProcess(const SearchSpace& space, GaussianProcessSettings settings)
     : encoding_(space),
       settings_(settings),
-      parameters_(prior_means(priors_of(encoding_, settings.is_noisy, settings.takes_slopes))) {}
+      parameters_(
+          prior_means(priors_of(encoding_, settings.is_noisy, settings.takes_derivatives))) {}
 
 void GaussianProcess::fit(std::span<const Point> points,
                           std::span<const double> values,
                           std::span<const double> errors,
-                          std::span<const UnitSlopes> slopes) {
-  set_data(points, values, errors, slopes);
+                          std::span<const UnitDerivatives> derivatives) {
+  set_data(points, values, errors, derivatives);
   const KernelParameters fresh = prior_means(priors());
   KernelParameters best = fitted_from(parameters_);
   if (parameters_ != fresh && num_points() <= settings_.max_fresh_points) {
@@ -61,9 +62,9 @@ void GaussianProcess::set(const KernelParameters& parameters,
                           std::span<const Point> points,
                           std::span<const double> values,
                           std::span<const double> errors,
-                          std::span<const UnitSlopes> slopes) {
+                          std::span<const UnitDerivatives> derivatives) {
   GLINT_CHECK(parameters.size() == parameters_.size(), "parameters of this space");
-  set_data(points, values, errors, slopes);
+  set_data(points, values, errors, derivatives);
   parameters_ = parameters;
   factorise();
   solve();
@@ -72,11 +73,12 @@ void GaussianProcess::set(const KernelParameters& parameters,
 void GaussianProcess::set_data(std::span<const Point> points,
                                std::span<const double> values,
                                std::span<const double> errors,
-                               std::span<const UnitSlopes> slopes) {
+                               std::span<const UnitDerivatives> derivatives) {
   GLINT_CHECK(!points.empty() && points.size() == values.size(), "one value per point");
   GLINT_CHECK(errors.empty() || errors.size() == values.size(), "one error per value, or none");
-  GLINT_CHECK(slopes.empty() || (slopes.size() == values.size() && settings_.takes_slopes),
-              "derivatives of every point, or none");
+  GLINT_CHECK(
+      derivatives.empty() || (derivatives.size() == values.size() && settings_.takes_derivatives),
+      "derivatives of every point, or none");
   rows_ = encoding_.rows(points);
   const Eigen::Map<const VectorXd> given(values.data(), static_cast<Index>(values.size()));
   GLINT_CHECK(given.allFinite(), "values are finite");
@@ -95,9 +97,9 @@ void GaussianProcess::set_data(std::span<const Point> points,
     seen_.push_back({.point = i});
   }
   is_value_ = VectorXd::Ones(values_.size());
-  has_slopes_ = false;
-  for (std::size_t i = 0; i < slopes.size(); ++i) {
-    see_slopes(static_cast<Index>(i), slopes[i]);
+  has_derivatives_ = false;
+  for (std::size_t i = 0; i < derivatives.size(); ++i) {
+    see_derivatives(static_cast<Index>(i), derivatives[i]);
   }
 }
 
@@ -105,7 +107,7 @@ void GaussianProcess::set_data(std::span<const Point> points,
 double GaussianProcess::loss(const KernelParameters& parameters, VectorXd& gradient) const {
   const double noise = noise_variance(encoding_, parameters);
   MatrixXd k;
-  if (has_slopes_) {
+  if (has_derivatives_) {
     k = gram(parameters);
     k.diagonal().array() += kFirstJitter;
   } else {
@@ -119,19 +121,19 @@ double GaussianProcess::loss(const KernelParameters& parameters, VectorXd& gradi
   }
   MatrixXd inverse = factor.solve(MatrixXd::Identity(k.rows(), k.cols()));
   const VectorXd ones =
-      has_slopes_ ? VectorXd(inverse * is_value_) : VectorXd(inverse.rowwise().sum());
-  const double mean = best_mean(ones, values_, has_slopes_ ? ones.dot(is_value_) : ones.sum());
+      has_derivatives_ ? VectorXd(inverse * is_value_) : VectorXd(inverse.rowwise().sum());
+  const double mean = best_mean(ones, values_, has_derivatives_ ? ones.dot(is_value_) : ones.sum());
   const VectorXd residuals = (values_.array() - mean * is_value_.array()).matrix();
   const VectorXd weights = inverse * residuals;
   double result = 0.5 * residuals.dot(weights);
   result += factor.matrixLLT().diagonal().array().log().sum();
   const MatrixXd b = weights * weights.transpose() - inverse;
-  if (has_slopes_) {
+  if (has_derivatives_) {
     gradient.head(num_parameters(encoding_)) = -observed_half_trace(observed(parameters), b);
     gradient[encoding_.num_lengths() + 1] -= 0.5 * noise * b.diagonal().dot(is_value_);
-    const double slope_noise = std::exp(parameters[parameters.size() - 1]);
+    const double derivative_noise = std::exp(parameters[parameters.size() - 1]);
     gradient[parameters.size() - 1] -=
-        0.5 * slope_noise * (b.trace() - b.diagonal().dot(is_value_));
+        0.5 * derivative_noise * (b.trace() - b.diagonal().dot(is_value_));
   } else {
     gradient.head(num_parameters(encoding_)) =
         -half_trace_of_derivative(encoding_, parameters, rows_, b);
@@ -141,14 +143,15 @@ double GaussianProcess::loss(const KernelParameters& parameters, VectorXd& gradi
 }
 
 std::vector<Prior> GaussianProcess::priors() const {
-  return priors_of(encoding_, settings_.is_noisy, settings_.takes_slopes);
+  return priors_of(encoding_, settings_.is_noisy, settings_.takes_derivatives);
 }
 
 KernelParameters GaussianProcess::fitted_from(const KernelParameters& start) const {
   return fitted_parameters(
-      priors(), start, settings_.max_steps, [this](const KernelParameters& at, VectorXd& slope) {
-        return loss(at, slope);
-      });
+      priors(),
+      start,
+      settings_.max_steps,
+      [this](const KernelParameters& at, VectorXd& derivative) { return loss(at, derivative); });
 }
 
 void GaussianProcess::factorise() {
@@ -172,25 +175,26 @@ void GaussianProcess::solve() {
     return upper.solve(VectorXd(lower.solve(right)));
   };
   const VectorXd ones = solved(is_value_);
-  mean_ = best_mean(ones, values_, has_slopes_ ? ones.dot(is_value_) : ones.sum());
+  mean_ = best_mean(ones, values_, has_derivatives_ ? ones.dot(is_value_) : ones.sum());
   weights_ = solved((values_.array() - mean_ * is_value_.array()).matrix());
 }
 
 void GaussianProcess::add(const Point& point,
                           double value,
                           std::optional<double> error,
-                          const UnitSlopes& slopes) {
+                          const UnitDerivatives& derivatives) {
   GLINT_CHECK(values_.size() > 0 && std::isfinite(value), "a fit, then finite values");
-  GLINT_CHECK(slopes.empty() || settings_.takes_slopes, "derivatives where they are taken");
+  GLINT_CHECK(derivatives.empty() || settings_.takes_derivatives,
+              "derivatives where they are taken");
   const double own = error && std::isfinite(*error) ? squared(*error / scale_) : 0.0;
   const Index at = rows_.rows();
   std::vector<double> targets = {(value - offset_) / scale_};
   std::vector<Observation> more = {{.point = at}};
-  for (std::size_t c = 0; c < encoding_.columns().size() && !slopes.empty(); ++c) {
+  for (std::size_t c = 0; c < encoding_.columns().size() && !derivatives.empty(); ++c) {
     const Encoding::Column& column = encoding_.columns()[c];
-    if (column.choice < 0 && std::isfinite(slopes[column.variable])) {
+    if (column.choice < 0 && std::isfinite(derivatives[column.variable])) {
       more.push_back({.point = at, .column = static_cast<Index>(c)});
-      targets.push_back(slopes[column.variable] / scale_);
+      targets.push_back(derivatives[column.variable] / scale_);
     }
   }
   const Eigen::RowVectorXd row = encoding_.row(point);
@@ -205,13 +209,14 @@ void GaussianProcess::add(const Point& point,
 }
 
 /// Notes what is known of a point's derivatives. The factor is as it was.
-void GaussianProcess::see_slopes(Index point, const UnitSlopes& slopes) {
-  for (std::size_t c = 0; c < encoding_.columns().size() && !slopes.empty(); ++c) {
+void GaussianProcess::see_derivatives(Index point, const UnitDerivatives& derivatives) {
+  for (std::size_t c = 0; c < encoding_.columns().size() && !derivatives.empty(); ++c) {
     const Encoding::Column& column = encoding_.columns()[c];
-    if (column.choice < 0 && std::isfinite(slopes[column.variable])) {
-      has_slopes_ = true;
-      append(
-          {.point = point, .column = static_cast<Index>(c)}, slopes[column.variable] / scale_, 0.0);
+    if (column.choice < 0 && std::isfinite(derivatives[column.variable])) {
+      has_derivatives_ = true;
+      append({.point = point, .column = static_cast<Index>(c)},
+             derivatives[column.variable] / scale_,
+             0.0);
     }
   }
 }
@@ -233,9 +238,9 @@ Observed GaussianProcess::observed(const KernelParameters& parameters) const {
 
 /// Covariance of what is known, without jitter.
 MatrixXd GaussianProcess::gram(const KernelParameters& parameters) const {
-  MatrixXd k = has_slopes_ ? observed_covariance(observed(parameters))
-                           : covariance(encoding_, parameters, rows_, rows_);
-  if (has_slopes_) {
+  MatrixXd k = has_derivatives_ ? observed_covariance(observed(parameters))
+                                : covariance(encoding_, parameters, rows_, rows_);
+  if (has_derivatives_) {
     for (std::size_t i = 0; i < seen_.size(); ++i) {
       const auto at = static_cast<Index>(i);
       k(at, at) += own_noise_[at] + noise_of(parameters, i);
@@ -255,13 +260,13 @@ double GaussianProcess::noise_of(const KernelParameters& parameters,
 
 /// Of what is known (one row each) with the values at encoded rows.
 MatrixXd GaussianProcess::covariance_with(const MatrixXd& rows) const {
-  return has_slopes_ ? observed_covariance(observed(parameters_), rows)
-                     : covariance(encoding_, parameters_, rows_, rows);
+  return has_derivatives_ ? observed_covariance(observed(parameters_), rows)
+                          : covariance(encoding_, parameters_, rows_, rows);
 }
 
 /// The entries of values, in the order of the points.
 VectorXd GaussianProcess::values_alone(const VectorXd& observations) const {
-  if (!has_slopes_) {
+  if (!has_derivatives_) {
     return observations;
   }
   VectorXd values(rows_.rows());
@@ -280,7 +285,7 @@ void GaussianProcess::grow(const Eigen::RowVectorXd& row,
                            double own_noise) {
   const Index n = values_.size();
   const bool is_value = what.column == Observation::kValue;
-  const VectorXd k = has_slopes_ || !is_value
+  const VectorXd k = has_derivatives_ || !is_value
                          ? observed_covariance(observed(parameters_), row, what.column)
                          : VectorXd(covariance(encoding_, parameters_, rows_, MatrixXd(row)));
   const VectorXd l =
@@ -292,7 +297,7 @@ void GaussianProcess::grow(const Eigen::RowVectorXd& row,
     rows_.row(rows_.rows() - 1) = row;
   }
   append(what, value, own_noise);
-  has_slopes_ = has_slopes_ || !is_value;
+  has_derivatives_ = has_derivatives_ || !is_value;
   const double noise = noise_of(parameters_, seen_.size() - 1) + own_noise + jitter_;
   const double prior =
       is_value ? signal_variance(encoding_, parameters_) : prior_variance(what.column);
@@ -313,8 +318,8 @@ double GaussianProcess::prior_variance(Index column) const {
       .encoding = encoding_, .parameters = parameters_, .points = point, .seen = alone})(0, 0);
 }
 
-int GaussianProcess::drop_contradicted_slopes(double max_deviations) {
-  if (!has_slopes_) {
+int GaussianProcess::drop_contradicted_derivatives(double max_deviations) {
+  if (!has_derivatives_) {
     return 0;
   }
   const auto lower = factor_.triangularView<Eigen::Lower>();
@@ -347,20 +352,20 @@ Eigen::MatrixX2d GaussianProcess::predict_rows(const MatrixXd& rows) const {
   return result;
 }
 
-SlopedPosterior GaussianProcess::predict_with_slopes(const MatrixXd& rows) const {
+PosteriorWithDerivatives GaussianProcess::predict_with_derivatives(const MatrixXd& rows) const {
   const MatrixXd k = covariance_with(rows);
   MatrixXd solved = factor_.triangularView<Eigen::Lower>().solve(k);
   const double signal = signal_variance(encoding_, parameters_);
   const VectorXd left = signal - solved.colwise().squaredNorm().transpose().array();
   factor_.triangularView<Eigen::Lower>().adjoint().solveInPlace(solved);
   const std::vector<MatrixXd> weights = {weights_.replicate(1, rows.rows()), std::move(solved)};
-  std::vector<MatrixXd> slopes =
-      has_slopes_ ? observed_slopes(observed(parameters_), rows, weights)
-                  : weighted_slopes(encoding_, parameters_, rows_, rows, weights);
+  std::vector<MatrixXd> derivatives =
+      has_derivatives_ ? observed_derivatives(observed(parameters_), rows, weights)
+                       : weighted_derivatives(encoding_, parameters_, rows_, rows, weights);
   return {.mean = (offset_ + scale_ * ((k.transpose() * weights_).array() + mean_)).matrix(),
           .variance = squared(scale_) * left.cwiseMax(1e-14 * signal),
-          .mean_slopes = scale_ * slopes[0],
-          .variance_slopes = -2.0 * squared(scale_) * slopes[1]};
+          .mean_derivatives = scale_ * derivatives[0],
+          .variance_derivatives = -2.0 * squared(scale_) * derivatives[1]};
 }
 
 std::vector<Posterior> GaussianProcess::predict(std::span<const Point> points) const {

@@ -38,22 +38,22 @@ struct JointPosterior {
 };
 
 /// Predictions of several rows and their derivatives by the encoded columns.
-struct SlopedPosterior {
+struct PosteriorWithDerivatives {
   Eigen::VectorXd mean;
-  Eigen::VectorXd variance;     ///< > 0
-  Eigen::MatrixXd mean_slopes;  ///< one row per row, one column per column
-  Eigen::MatrixXd variance_slopes;
+  Eigen::VectorXd variance;          ///< > 0
+  Eigen::MatrixXd mean_derivatives;  ///< one row per row, one column per column
+  Eigen::MatrixXd variance_derivatives;
 };
 
 struct GaussianProcessSettings {
   bool is_noisy = true;  ///< false: the prior expects noise only where values have an error
   int max_steps = 40;    ///< >= 1, evaluations of the likelihood per start
   int max_fresh_points = 1000000;  ///< with more points there is no start from the prior's middle
-  bool takes_slopes = false;       ///< one more parameter: log of the noise variance of derivatives
+  bool takes_derivatives = false;  ///< one more parameter: log of the noise variance of derivatives
 };
 
 /// By the coordinates of the unit cube, one number per variable, NaN where not known; empty: none.
-using UnitSlopes = std::vector<double>;
+using UnitDerivatives = std::vector<double>;
 
 class GaussianProcess {
  public:
@@ -64,31 +64,31 @@ class GaussianProcess {
   /// @param points  canonical, at least one
   /// @param values  finite, one per point
   /// @param errors  standard errors, one per point, NaN where not known; empty: none is
-  /// @param slopes  one per point, or none; only where settings.takes_slopes
+  /// @param derivatives  one per point, or none; only where settings.takes_derivatives
   void fit(std::span<const Point> points,
            std::span<const double> values,
            std::span<const double> errors = {},
-           std::span<const UnitSlopes> slopes = {});
+           std::span<const UnitDerivatives> derivatives = {});
 
   /// The same data with given parameters.
   void set(const KernelParameters& parameters,
            std::span<const Point> points,
            std::span<const double> values,
            std::span<const double> errors = {},
-           std::span<const UnitSlopes> slopes = {});
+           std::span<const UnitDerivatives> derivatives = {});
 
   /// One more value; the parameters stay. Needs a fit.
   void add(const Point& point,
            double value,
            std::optional<double> error = {},
-           const UnitSlopes& slopes = {});
+           const UnitDerivatives& derivatives = {});
 
   /// Lets go of derivatives whose distance from what everything else leads to expect of them is
   /// more than so many standard deviations. Needs a fit. @return how many
-  int drop_contradicted_slopes(double max_deviations);
+  int drop_contradicted_derivatives(double max_deviations);
 
   /// Derivatives that it knows, those let go included.
-  int num_slopes() const { return static_cast<int>(seen_.size()) - num_points(); }
+  int num_derivatives() const { return static_cast<int>(seen_.size()) - num_points(); }
 
   /// Needs a fit, as all below.
   Posterior predict(const Point& point) const;
@@ -99,7 +99,7 @@ class GaussianProcess {
   /// The same of rows of encoding(), into two columns: mean and variance.
   Eigen::MatrixX2d predict_rows(const Eigen::MatrixXd& rows) const;
 
-  SlopedPosterior predict_with_slopes(const Eigen::MatrixXd& rows) const;
+  PosteriorWithDerivatives predict_with_derivatives(const Eigen::MatrixXd& rows) const;
 
   /// The means at the points it knows, in their order; costs next to nothing.
   Eigen::VectorXd means_at_points() const;
@@ -126,8 +126,8 @@ class GaussianProcess {
   void set_data(std::span<const Point> points,
                 std::span<const double> values,
                 std::span<const double> errors,
-                std::span<const UnitSlopes> slopes);
-  void see_slopes(Eigen::Index point, const UnitSlopes& slopes);
+                std::span<const UnitDerivatives> derivatives);
+  void see_derivatives(Eigen::Index point, const UnitDerivatives& derivatives);
   void grow(const Eigen::RowVectorXd& row, const Observation& what, double value, double own_noise);
   double prior_variance(Eigen::Index column) const;
   void append(const Observation& what, double value, double own_noise);
@@ -147,7 +147,7 @@ class GaussianProcess {
   KernelParameters parameters_;
   Eigen::MatrixXd rows_;           ///< encoded points
   std::vector<Observation> seen_;  ///< what values_ are of; without derivatives each point's value
-  bool has_slopes_ = false;        ///< seen_ holds some
+  bool has_derivatives_ = false;   ///< seen_ holds some
   Eigen::VectorXd is_value_;       ///< 1 for values, 0 for derivatives
   Eigen::VectorXd values_;         ///< mean 0, variance 1 when they were set; derivatives alike
   Eigen::VectorXd own_noise_;      ///< variances of values_, 0 where not known

@@ -93,12 +93,13 @@ MatrixXd covariance(const Encoding& encoding,
   return sum;
 }
 
-std::vector<MatrixXd> weighted_slopes(const Encoding& encoding,
-                                      const KernelParameters& parameters,
-                                      const MatrixXd& data,
-                                      const MatrixXd& rows,
-                                      std::span<const MatrixXd> weights) {
-  std::vector<MatrixXd> slopes(weights.size(), MatrixXd::Zero(rows.rows(), encoding.num_columns()));
+std::vector<MatrixXd> weighted_derivatives(const Encoding& encoding,
+                                           const KernelParameters& parameters,
+                                           const MatrixXd& data,
+                                           const MatrixXd& rows,
+                                           std::span<const MatrixXd> weights) {
+  std::vector<MatrixXd> derivatives(weights.size(),
+                                    MatrixXd::Zero(rows.rows(), encoding.num_columns()));
   for (const KernelTerm& term : kernel_terms(encoding, parameters)) {
     if (term.weight == 0.0) {
       continue;
@@ -118,11 +119,11 @@ std::vector<MatrixXd> weighted_slopes(const Encoding& encoding,
       part -= weighted.transpose() * a;
       for (Index c = 0; c < part.cols(); ++c) {
         const Encoding::Column& column = encoding.columns()[static_cast<std::size_t>(c)];
-        slopes[k].col(c) += std::exp(-parameters[column.length]) * part.col(c);
+        derivatives[k].col(c) += std::exp(-parameters[column.length]) * part.col(c);
       }
     }
   }
-  return slopes;
+  return derivatives;
 }
 
 VectorXd half_trace_of_derivative(const Encoding& encoding,

@@ -52,11 +52,11 @@ Eigen::VectorXd half_trace_of_derivative(const Encoding& encoding,
 
 /// For each matrix of weights, with one row per row of `data` and one column per row of `rows`: the
 /// sum over i of weights(i, r) * d covariance(data i, rows r) / d rows(r, c), at (r, c).
-std::vector<Eigen::MatrixXd> weighted_slopes(const Encoding& encoding,
-                                             const KernelParameters& parameters,
-                                             const Eigen::MatrixXd& data,
-                                             const Eigen::MatrixXd& rows,
-                                             std::span<const Eigen::MatrixXd> weights);
+std::vector<Eigen::MatrixXd> weighted_derivatives(const Encoding& encoding,
+                                                  const KernelParameters& parameters,
+                                                  const Eigen::MatrixXd& data,
+                                                  const Eigen::MatrixXd& rows,
+                                                  std::span<const Eigen::MatrixXd> weights);
 
 double signal_variance(const Encoding& encoding, const KernelParameters& parameters);
 double noise_variance(const Encoding& encoding, const KernelParameters& parameters);

@@ -165,24 +165,24 @@ VectorXd observed_covariance(const Observed& observed, const RowVectorXd& row, I
   return result;
 }
 
-std::vector<MatrixXd> observed_slopes(const Observed& observed,
-                                      const MatrixXd& rows,
-                                      const std::vector<MatrixXd>& weights) {
+std::vector<MatrixXd> observed_derivatives(const Observed& observed,
+                                           const MatrixXd& rows,
+                                           const std::vector<MatrixXd>& weights) {
   const Index columns = observed.encoding.num_columns();
-  std::vector<MatrixXd> slopes(weights.size(), MatrixXd::Zero(rows.rows(), columns));
+  std::vector<MatrixXd> derivatives(weights.size(), MatrixXd::Zero(rows.rows(), columns));
   const std::vector<std::vector<Index>> lists = by_point(observed);
   for_each_pair(observed, rows, false, [&](const KernelTerm&, const Pair& pair, Index x, Index y) {
     for (const Index i : lists[static_cast<std::size_t>(x)]) {
       const Index column = observed.seen[static_cast<std::size_t>(i)].column;
       for (Index c = 0; c < columns; ++c) {
-        const double slope = pair.covariance(column, c);
+        const double derivative = pair.covariance(column, c);
         for (std::size_t k = 0; k < weights.size(); ++k) {
-          slopes[k](y, c) += weights[k](i, y) * slope;
+          derivatives[k](y, c) += weights[k](i, y) * derivative;
         }
       }
     }
   });
-  return slopes;
+  return derivatives;
 }
 
 VectorXd observed_half_trace(const Observed& observed, const MatrixXd& b) {

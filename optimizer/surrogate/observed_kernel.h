@@ -49,9 +49,9 @@ Eigen::VectorXd observed_covariance(const Observed& observed,
 
 /// For each matrix of weights, with one row per observation and one column per row of `rows`: the
 /// sum of weights(i, r) * d covariance(i, value at rows r) / d rows(r, c), at (r, c).
-std::vector<Eigen::MatrixXd> observed_slopes(const Observed& observed,
-                                             const Eigen::MatrixXd& rows,
-                                             const std::vector<Eigen::MatrixXd>& weights);
+std::vector<Eigen::MatrixXd> observed_derivatives(const Observed& observed,
+                                                  const Eigen::MatrixXd& rows,
+                                                  const std::vector<Eigen::MatrixXd>& weights);
 
 /// Half the sum of b(i, k) * d covariance(i, k) / d parameter, for each parameter of kernel.h but
 /// the noise, whose entry is 0. @param b symmetric, one row per observation

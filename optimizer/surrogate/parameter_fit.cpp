@@ -18,19 +18,19 @@ constexpr Prior kSignal = {0.0, 1.0, -3.0, 3.0};
 constexpr Prior kNoise = {-4.0, 2.0, -18.0, 0.7};
 constexpr Prior kTinyNoise = {-12.0, 2.0, -18.0, 0.7};
 constexpr Prior kShare = {0.0, 1.0, -4.0, 4.0};
-constexpr Prior kSlopeNoise = {-8.0, 3.0, -18.0, 4.0};
+constexpr Prior kDerivativeNoise = {-8.0, 3.0, -18.0, 4.0};
 
 }  // namespace
 
-std::vector<Prior> priors_of(const Encoding& encoding, bool is_noisy, bool takes_slopes) {
+std::vector<Prior> priors_of(const Encoding& encoding, bool is_noisy, bool takes_derivatives) {
   std::vector<Prior> priors(static_cast<std::size_t>(encoding.num_lengths()), kLength);
   priors.push_back(kSignal);
   priors.push_back(is_noisy ? kNoise : kTinyNoise);
   if (encoding.has_branches()) {
     priors.push_back(kShare);
   }
-  if (takes_slopes) {
-    priors.push_back(kSlopeNoise);
+  if (takes_derivatives) {
+    priors.push_back(kDerivativeNoise);
   }
   return priors;
 }
@@ -78,7 +78,7 @@ KernelParameters fitted_parameters(const std::vector<Prior>& priors,
   optimizer.set_maxeval(max_steps);
   optimizer.set_ftol_abs(1e-3);
   optimizer.set_min_objective(
-      [](const std::vector<double>& at, std::vector<double>& slope, void* data) {
+      [](const std::vector<double>& at, std::vector<double>& derivative, void* data) {
         Search& own = *static_cast<Search*>(data);
         const Eigen::Map<const VectorXd> parameters(at.data(), static_cast<Index>(at.size()));
         VectorXd gradient(parameters.size());
@@ -87,7 +87,7 @@ KernelParameters fitted_parameters(const std::vector<Prior>& priors,
           own.best_loss = value;
           own.best = at;
         }
-        std::ranges::copy(gradient, slope.begin());
+        std::ranges::copy(gradient, derivative.begin());
         return value;
       },
       &search);

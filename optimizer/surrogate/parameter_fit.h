@@ -20,8 +20,8 @@ struct Prior {
   double high = 1.0;
 };
 
-/// One per parameter. @param takes_slopes  the last one is of the noise of derivatives
-std::vector<Prior> priors_of(const Encoding& encoding, bool is_noisy, bool takes_slopes);
+/// One per parameter. @param takes_derivatives  the last one is of the noise of derivatives
+std::vector<Prior> priors_of(const Encoding& encoding, bool is_noisy, bool takes_derivatives);
 
 KernelParameters prior_means(const std::vector<Prior>& priors);
 

@@ -37,7 +37,7 @@ std::string errors_text(const StepReport& step) {
 }  // namespace
 
 std::string budget_note(const Study& study, const ChosenAccuracy& chosen, int possible) {
-  const int wanted = study.budget.evaluations > 0 ? study.budget.evaluations : kFewestEvaluations;
+  const int wanted = study.budget.evaluations > 0 ? study.budget.evaluations : kMinEvaluations;
   if (possible >= wanted) {
     return "";
   }

@@ -10,7 +10,7 @@
 namespace glint {
 
 /// Fewer evaluations are no search: that many are wanted where a budget sets no number.
-inline constexpr int kFewestEvaluations = 20;
+inline constexpr int kMinEvaluations = 20;
 
 /// A tolerance that is not reachable within the budget, with the bound that is: that of the dearest
 /// rung of those tried by which as many evaluations fit as are wanted, by counted work. Empty where

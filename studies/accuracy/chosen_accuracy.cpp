@@ -246,7 +246,7 @@ LadderChoice choice_from(const LadderTask& task,
   const std::size_t seen = asked < places.size() ? places[asked] : num_all;
   choice.num_alike = seen - asked;
   choice.designs = placed(choice.designs);
-  if (choice.designs.size() < kFewestDesigns && choice.num_alike > 0) {
+  if (choice.designs.size() < kMinDesigns && choice.num_alike > 0) {
     choice.problem += fmt::format("; the other {} are mirrors, which all ways to render show alike",
                                   choice.num_alike);
   }

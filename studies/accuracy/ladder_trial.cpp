@@ -71,12 +71,12 @@ class LadderTrial {
   LadderChoice run() {
     choice_.step = dearest_for_search();
     evaluate_top();
-    if (choice_.designs.size() < kFewestDesigns) {
+    if (choice_.designs.size() < kMinDesigns) {
       choice_.problem = fmt::format("{} of {} designs can be evaluated by \"{}\", {} are needed",
                                     choice_.designs.size(),
                                     choice_.designs.size() + choice_.num_failed,
                                     task_.steps.back().name,
-                                    kFewestDesigns);
+                                    kMinDesigns);
       return choice_;
     }
     evaluate_below_top();

@@ -18,7 +18,7 @@
 namespace glint {
 
 /// With fewer nothing can be judged.
-inline constexpr std::size_t kFewestDesigns = 3;
+inline constexpr std::size_t kMinDesigns = 3;
 
 /// A way to render, as far as a choice needs to know it.
 struct LadderStep {

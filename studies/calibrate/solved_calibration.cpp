@@ -17,14 +17,14 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr int kMostFolds = 20;
+constexpr int kMaxFolds = 20;
 
 CameraOptions camera_options(const CalibrateInput& input) {
   const auto seen = std::ranges::count_if(input.views, &BoardView::is_accepted);
   CameraOptions options = {
       .width_px = input.width_px,
       .height_px = input.height_px,
-      .folds = input.poses ? 5 : std::clamp(static_cast<int>(seen), 2, kMostFolds)};
+      .folds = input.poses ? 5 : std::clamp(static_cast<int>(seen), 2, kMaxFolds)};
   if (input.camera) {
     options.known =
         KnownLens{.lens = lens_vector(input.camera->intrinsics), .sigma = input.camera_sigma};
@@ -246,14 +246,14 @@ std::vector<PosePair> accepted_pairs(const CalibrateInput& input, const HandEyeC
 
 /// Each picture alone, or twenty parts of more pictures.
 std::vector<int> prediction_folds(int count) {
-  return count <= kMostFolds ? leave_one_out(count) : shuffled_folds(count, kMostFolds, 1);
+  return count <= kMaxFolds ? leave_one_out(count) : shuffled_folds(count, kMaxFolds, 1);
 }
 
 void predict_all(const CalibrateInput& input, SolvedCalibration& solved, ThreadPool& pool) {
   const Bundle& bundle = solved.joint->bundle;
   const CameraOptions camera = camera_options(input);
   const int count = static_cast<int>(bundle.views.size());
-  solved.prediction_folds = std::min(count, kMostFolds);
+  solved.prediction_folds = std::min(count, kMaxFolds);
   // Many pictures: a split says more, and takes longer.
   solved.five_fold_splits = std::clamp(400 / std::max(1, count), 4, 20);
   const auto left_out = predict_by_all(bundle, camera, prediction_folds(count), pool);
@@ -299,7 +299,7 @@ void take_camera_prediction(const CalibrateInput& input,
   const Prediction prediction =
       predict_camera_left_out(accepted, solved.camera.lens, camera_options(input), folds, pool);
   solved.prediction_rms_px = prediction.rms_px;
-  solved.prediction_folds = std::min(static_cast<int>(accepted.size()), kMostFolds);
+  solved.prediction_folds = std::min(static_cast<int>(accepted.size()), kMaxFolds);
 }
 
 void advise(const CalibrateInput& input,

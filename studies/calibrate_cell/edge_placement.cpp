@@ -15,9 +15,9 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr std::size_t kLeastPictures = 2;
-constexpr std::size_t kLeastEdges = 20;
-constexpr int kMostPasses = 4;
+constexpr std::size_t kMinPictures = 2;
+constexpr std::size_t kMinEdges = 20;
+constexpr int kMaxPasses = 4;
 constexpr double kSettled_px = 0.1;  ///< the part moved less: rendering it again tells nothing new
 
 using EdgesOfPictures = std::vector<std::vector<SeenEdge>>;
@@ -41,7 +41,7 @@ EdgesOfPictures edges_at(const Isometry3d& base_from_part,
   EdgesOfPictures all;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     auto seen = seen_edges(scene, pictures[i].viewpoint, edges[i]);
-    if (seen.size() >= kLeastEdges) {
+    if (seen.size() >= kMinEdges) {
       rows += edge_rows(placing.photos[i].name, seen);
       poses += pose_toml(placing.photos[i].name, placing.photos[i].base_from_flange);
       all.push_back(std::move(seen));
@@ -73,10 +73,10 @@ EdgePlacement place_by_edges(const EdgePlacing& placing, const EdgeFiles& files)
   Isometry3d place = Isometry3d::Identity();
   place.linear() = start.rotation;
   place.translation() = start.translation_mm;
-  while (result.passes < kMostPasses) {
+  while (result.passes < kMaxPasses) {
     const EdgesOfPictures seen = edges_at(place, placing, files);
     result.pictures = static_cast<int>(seen.size());
-    result.is_found = seen.size() >= kLeastPictures;
+    result.is_found = seen.size() >= kMinPictures;
     if (!result.is_found) {
       break;
     }

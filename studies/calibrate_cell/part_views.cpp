@@ -23,7 +23,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kLeastViews = 3;
+constexpr std::size_t kMinViews = 3;
 constexpr double kTiltRad = 20.0 * kRadPerDeg;
 
 Vector3d vector(const std::vector<double>& v) {
@@ -78,7 +78,7 @@ SceneSettings part_scene(const fs::path& file, const fs::path& calibration) {
   take_calibration(calibration / "calibration.toml", scene);
   check(scene, file);
   std::vector<Viewpoint> views = viewpoints_of(scene, build_part_with_bvh(scene.part).part);
-  if (views.size() < kLeastViews) {
+  if (views.size() < kMinViews) {
     const double far_mm = scene.camera.working_distance_mm;
     const std::vector<Viewpoint> around = tilted_views(views.front(), far_mm);
     views.insert(views.end(), around.begin(), around.end());
@@ -106,7 +106,7 @@ std::vector<SeenEdge> seen_edges(const SceneSettings& scene,
       inverse(pose_from_angles(vector(scene.part.position_mm), vector(scene.part.rotation_rad))) *
       inverse(camera_from_world(viewpoint));
   std::vector<SeenEdge> seen;
-  const std::size_t step = std::max<std::size_t>(1, (edges.size() + kMostEdges - 1) / kMostEdges);
+  const std::size_t step = std::max<std::size_t>(1, (edges.size() + kMaxEdges - 1) / kMaxEdges);
   for (std::size_t i = step / 2; i < edges.size(); i += step) {
     const SpaceEdge& edge = edges[i];
     if (const auto pixel = camera.project(edge.in_camera_mm)) {

@@ -40,7 +40,7 @@ struct SeenEdge {
 };
 
 /// Neighbouring edges share their errors: at most so many are taken of a picture, evenly.
-inline constexpr std::size_t kMostEdges = 120;
+inline constexpr std::size_t kMaxEdges = 120;
 
 std::vector<SeenEdge> seen_edges(const SceneSettings& scene,
                                  const Viewpoint& viewpoint,

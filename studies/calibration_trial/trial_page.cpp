@@ -170,10 +170,10 @@ ImageF contact_sheet(const std::vector<ImageF>& pictures, int width_px) {
 }
 
 ImageF shown_pictures(const std::filesystem::path& folder) {
-  constexpr int kMost = 12;
+  constexpr int kMax = 12;
   constexpr int kWidth_px = 320;
   std::vector<ImageF> shown;
-  for (int i = 0; i < kMost; ++i) {
+  for (int i = 0; i < kMax; ++i) {
     const std::filesystem::path file = folder / "pictures" / trial_picture_name(i);
     std::error_code ignored;
     if (std::filesystem::exists(file, ignored)) {

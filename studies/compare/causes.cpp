@@ -24,10 +24,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLeastGain = 0.002;  ///< smaller changes of exposure are nobody's concern
+constexpr double kMinGain = 0.002;  ///< smaller changes of exposure are nobody's concern
 constexpr double kSurelySigmas = 4.0;
-constexpr double kLeastShare = 0.005;      ///< of the misfit of grey values
-constexpr double kLeastCorrelation = 0.3;  ///< below, one exposure does not make the other picture
+constexpr double kMinShare = 0.005;      ///< of the misfit of grey values
+constexpr double kMinCorrelation = 0.3;  ///< below, one exposure does not make the other picture
 
 SimulatedSurface surface_of(const ComparedPair& pair, const SceneSettings& scene) {
   return {pair.simulated.source.geometry,
@@ -105,7 +105,7 @@ constexpr int kRounds = 3;
 /// Of the picture's width, and at least so many pixels: rms from which on nearest edges may be
 /// others, 4 px of 612.
 constexpr double kFarShare = 0.0065;
-constexpr double kLeastFar_px = 2.0;
+constexpr double kMinFar_px = 2.0;
 constexpr double kMostlyShown = 0.6;  ///< of the simulated outline's edges, in the real picture
 
 /// Whether the motion of the simulated outline onto the real one is known.
@@ -142,7 +142,7 @@ MatchedCauses matched_causes(const ComparedPair& pair,
                              : moved_edges(placed, intrinsics, middle_mm, result.fit.changes);
     result.edges = matched_edges(placed, moved, real, reach_px);
     // Before the last round edges may be matched with wrong neighbours: they need not agree yet.
-    const double agreeing = round < kRounds ? 0.0 : kLeastAgreeing;
+    const double agreeing = round < kRounds ? 0.0 : kMinAgreeing;
     result.fit = fit_causes(
         result.edges, intrinsics, middle_mm, is_lens_known, agreeing, result.fit.changes);
     if (result.fit.causes.empty()) {
@@ -220,7 +220,7 @@ GreySums grey_sums(const ComparedPair& pair) {
 std::optional<ToldCause> gain_cause(const ComparedPair& pair) {
   const ExposureMatch& match = pair.appearance.exposure;
   const GreySums all = grey_sums(pair);
-  if (pair.appearance.correlation < kLeastCorrelation || all.pixels < 1.0) {
+  if (pair.appearance.correlation < kMinCorrelation || all.pixels < 1.0) {
     return std::nullopt;
   }
   const GreySums sums = match.offset != 0.0 ? all.centred() : all;
@@ -231,7 +231,7 @@ std::optional<ToldCause> gain_cause(const ComparedPair& pair) {
       match.gain * sums.simulated_squares * sums.real_squares / (sums.products * sums.products);
   const double sigma = std::hypot(match.rms / std::sqrt(sums.simulated_squares),
                                   (steep - match.gain) / std::sqrt(12.0));
-  if (!(std::abs(match.gain - 1.0) >= std::max(kLeastGain, kSurelySigmas * sigma))) {
+  if (!(std::abs(match.gain - 1.0) >= std::max(kMinGain, kSurelySigmas * sigma))) {
     return std::nullopt;
   }
   const double rest = match.rms * match.rms * sums.pixels;
@@ -244,7 +244,7 @@ std::optional<ToldCause> gain_cause(const ComparedPair& pair) {
 }
 
 void note_contradiction(const CauseFit& fit, std::vector<std::string>& notes) {
-  if (fit.before_px > 0.0 && fit.agreeing < kLeastAgreeing) {
+  if (fit.before_px > 0.0 && fit.agreeing < kMinAgreeing) {
     notes.push_back(fmt::format(
         "Only {:.0f} % of the edges are where one change of pose, lens or camera would have them: "
         "no cause is told. Either outlines are not the part's (see the overlay) or its shape is "
@@ -257,7 +257,7 @@ void note_contradiction(const CauseFit& fit, std::vector<std::string>& notes) {
 /// picture; nearest edges of another tooth or corner can agree with a change that is none.
 void withhold_doubtful(const OutlinePair& outlines, int width_px, PairCauses& causes) {
   CauseFit& fit = *causes.edges;
-  const double far_px = std::max(kFarShare * width_px, kLeastFar_px);
+  const double far_px = std::max(kFarShare * width_px, kMinFar_px);
   const bool is_guided = outlines.motion.has_value();
   const bool is_found = is_guided && outlines.shown >= kMostlyShown;
   if (fit.causes.empty() || fit.before_px < far_px || is_found) {
@@ -309,7 +309,7 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
 
 void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& causes) {
   const CompareSource& source = pair.simulated.source;
-  if (source.scene.empty() || pair.appearance.correlation < kLeastCorrelation) {
+  if (source.scene.empty() || pair.appearance.correlation < kMinCorrelation) {
     return;
   }
   PairCauses but_gain = causes;
@@ -317,7 +317,7 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
   const auto fit = compare_detail::fit_roughness(
       pair, refined_scene(read_exposed_scene(source), but_gain), store);
   if (!fit || std::abs(fit->change) < kSurelySigmas * fit->sigma ||
-      fit->share < kLeastShare * (1.0 - fit->gain_share)) {
+      fit->share < kMinShare * (1.0 - fit->gain_share)) {
     return;
   }
   causes.roughness_change = fit->change;
@@ -328,7 +328,7 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
                          .share = fit->share,
                          .of = "grey"});
   causes.gain = 1.0;
-  if (std::abs(fit->gain - 1.0) > std::max(kLeastGain, kSurelySigmas * fit->gain_sigma)) {
+  if (std::abs(fit->gain - 1.0) > std::max(kMinGain, kSurelySigmas * fit->gain_sigma)) {
     causes.gain = fit->gain;
     causes.told.push_back({.name = "gain",
                            .value = fit->gain,

@@ -136,7 +136,7 @@ constexpr std::array<const char*, 9> kRegionNames = {"top left",
                                                      "bottom left",
                                                      "bottom",
                                                      "bottom right"};
-constexpr double kLeastRegionPx = 100.0;
+constexpr double kMinRegionPx = 100.0;
 
 /// Columns and rows [x0, x1) x [y0, y1) that hold a region; all where it is empty.
 struct Extent {
@@ -276,7 +276,7 @@ std::vector<RegionAppearance> regions_of(const ComparedPair& pair) {
   std::vector<RegionAppearance> regions;
   const std::array<RegionSums, 9> ninths = ninths_of(pair);
   for (std::size_t i = 0; i < ninths.size(); ++i) {
-    if (ninths[i].pixels >= kLeastRegionPx) {
+    if (ninths[i].pixels >= kMinRegionPx) {
       regions.push_back(ninths[i].appearance());
       regions.back().name = kRegionNames[i];
     }

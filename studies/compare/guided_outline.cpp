@@ -26,8 +26,8 @@ constexpr int kLocations = 2;
 constexpr double kAlikePx = 1.5;        ///< from the motion as a whole
 constexpr double kAlikeContrast = 3.0;  ///< of the median ratio of contrasts, at most
 constexpr double kFarPx = 3.0;          ///< a shift as a whole that a search along normals may miss
-constexpr std::size_t kLeastEdges = 40;
-constexpr double kLeastFound = 0.3;
+constexpr std::size_t kMinEdges = 40;
+constexpr double kMinFound = 0.3;
 
 std::vector<EdgeOffset> offsets_of(const std::vector<BoundaryGap>& gaps) {
   std::vector<EdgeOffset> offsets;
@@ -204,7 +204,7 @@ std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
                                               const Eigen::Vector2d& shift_px) {
   const std::vector<Boundary> outline = outlines_of(truth, 1);
   const std::vector<LocatedEdge> own = own_edges(simulated, outline);
-  if (own.size() < kLeastEdges) {
+  if (own.size() < kMinEdges) {
     return std::nullopt;
   }
   const Located best = best_located(outline, real, own, first, reach_px, shift_px);
@@ -214,8 +214,8 @@ std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
       .real = outline_at(best.rough, best.edges),
       .share = static_cast<double>(best.edges.size()) / static_cast<double>(own.size()),
       .motion = best.motion};
-  return best.edges.size() >= kLeastEdges && found.share >= kLeastFound ? std::optional(found)
-                                                                        : std::nullopt;
+  return best.edges.size() >= kMinEdges && found.share >= kMinFound ? std::optional(found)
+                                                                    : std::nullopt;
 }
 
 std::vector<PairedEdge> edges_along(const ImageF& simulated,

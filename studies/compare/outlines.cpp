@@ -24,11 +24,11 @@ namespace {
 
 constexpr int kReducedPx = 600;  ///< pictures are reduced to not less than this
 constexpr int kMaxFactor = 4;
-constexpr double kFillsPicture = 0.98;    ///< share from which a part leaves no background
-constexpr double kLeastAlike = 0.2;       ///< IoU below which two silhouettes are not of one part
-constexpr double kLeastLocated = 0.3;     ///< share of a cut's outline at which there are edges
-constexpr double kMostApartShare = 0.05;  ///< of the picture's width: farther edges are others
-constexpr double kWellShown = 0.7;        ///< of the simulated edges
+constexpr double kFillsPicture = 0.98;   ///< share from which a part leaves no background
+constexpr double kMinAlike = 0.2;        ///< IoU below which two silhouettes are not of one part
+constexpr double kMinLocated = 0.3;      ///< share of a cut's outline at which there are edges
+constexpr double kMaxApartShare = 0.05;  ///< of the picture's width: farther edges are others
+constexpr double kWellShown = 0.7;       ///< of the simulated edges
 
 int factor_of(const ImageF& picture) {
   return std::clamp(std::max(picture.width(), picture.height()) / kReducedPx, 1, kMaxFactor);
@@ -205,7 +205,7 @@ std::optional<compare_detail::GuidedOutlines> guided(const ComparedPicture& simu
                                                      const ComparedPicture& real,
                                                      const Mask& truth,
                                                      OutlinePair& found) {
-  const double reach_px = kMostApartShare * real.width();
+  const double reach_px = kMaxApartShare * real.width();
   const Eigen::Vector2d shift_px =
       middle_of(found.real.coverage) - middle_of(found.simulated.coverage);
   const auto along = [&](const ImageF& picture) {
@@ -286,7 +286,7 @@ std::optional<MaskPair> masks_of(const MaskFinder& finder,
   std::string why;
   if (choice == OutlineChoice::kAuto || choice == OutlineChoice::kThreshold) {
     std::optional<MaskPair> masks = finder.by_threshold(why);
-    const bool is_alike = masks && overlap_of(masks->simulated, masks->real).iou >= kLeastAlike;
+    const bool is_alike = masks && overlap_of(masks->simulated, masks->real).iou >= kMinAlike;
     if (masks && (is_alike || choice == OutlineChoice::kThreshold)) {
       return masks;
     }
@@ -358,8 +358,7 @@ OutlinePair find_outlines(const ComparedPicture& simulated,
     if (choice == OutlineChoice::kAuto && masks->real_method != OutlineMethod::kMask) {
       guide(simulated, real, found);
     }
-    if (found.real.method != OutlineMethod::kGrabCut ||
-        located_share(found.real) >= kLeastLocated) {
+    if (found.real.method != OutlineMethod::kGrabCut || located_share(found.real) >= kMinLocated) {
       return found;
     }
     if (choice == OutlineChoice::kGrabCut) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Gauss-Newton in gain and roughness: grey values at the scene's roughness and at a quarter more
-// give a slope, the third rendering is at the value that follows. Each rendering is two independent
-// pictures of half the samples: products of one with the other have no noise of their own, which
-// would make every slope too small (two-sample instrumental variables).
+// give a derivative, the third rendering is at the value that follows. Each rendering is two
+// independent pictures of half the samples: products of one with the other have no noise of their
+// own, which would make every derivative too small (two-sample instrumental variables).
 #include "studies/compare/roughness_cause.h"
 
 #include <algorithm>
@@ -30,11 +30,11 @@ using Eigen::Vector2d;
 
 constexpr int kWidthPx = 612;
 constexpr int kHeightPx = 512;
-constexpr int kLeastSamples = 32;
-constexpr std::size_t kFewestPixels = 1000;
+constexpr int kMinSamples = 32;
+constexpr std::size_t kMinPixels = 1000;
 constexpr float kBright = 0.98F;  ///< at least: clipped
 constexpr double kStep = 1.25;    ///< factor on the roughness
-constexpr double kLeastRoughness = 0.02;
+constexpr double kMinRoughness = 0.02;
 constexpr int kBlockPx = 12;  ///< whose misfit is taken together: it is alike for neighbours
 constexpr int kRimPx = 2;     ///< from the part's edge
 
@@ -63,7 +63,7 @@ ImageF grey_of(const PathPicture& picture,
   return sums.aspect();
 }
 
-/// real = gain base + product slope, product = gain times the change.
+/// real = gain base + product derivative, product = gain times the change.
 struct GreyFit {
   Vector2d values = Vector2d::Zero();
   Matrix2d covariance = Matrix2d::Zero();
@@ -72,8 +72,8 @@ struct GreyFit {
   double change() const { return values[1] / values[0]; }
 
   double change_sigma() const {
-    const Vector2d slope(-change() / values[0], 1.0 / values[0]);
-    return std::sqrt(slope.dot(covariance * slope));
+    const Vector2d derivative(-change() / values[0], 1.0 / values[0]);
+    return std::sqrt(derivative.dot(covariance * derivative));
   }
 };
 
@@ -82,7 +82,7 @@ class RoughnessSearch {
   RoughnessSearch(const ComparedPair& pair, const SceneSettings& scene, SceneStore& store)
       : store_(store),
         factor_(factor_of(scene)),
-        scene_(reduced_scene(with_equal_exposure(store, scene), factor_, kLeastSamples)),
+        scene_(reduced_scene(with_equal_exposure(store, scene), factor_, kMinSamples)),
         real_(reduce(pair.real.grey, factor_)) {}
 
   std::optional<RoughnessFit> find() {
@@ -95,14 +95,14 @@ class RoughnessSearch {
       return std::nullopt;
     }
     const double stepped = first * kStep <= 1.0 ? first * kStep : first / kStep;
-    auto fit = fitted(base, slopes_between(base, at(stepped), stepped - first));
+    auto fit = fitted(base, derivatives_between(base, at(stepped), stepped - first));
     if (!fit) {
       return std::nullopt;
     }
     double found = bounded(first + fit->change());
     if (std::abs(found - first) > fit->change_sigma()) {
       const Halves nearer = at(found);
-      fit = fitted(nearer, slopes_between(base, nearer, found - first));
+      fit = fitted(nearer, derivatives_between(base, nearer, found - first));
       found = fit ? bounded(found + fit->change()) : first;
     }
     return fit ? std::optional(told(base, *fit, found - first)) : std::nullopt;
@@ -126,7 +126,7 @@ class RoughnessSearch {
 
   /// Roughness that metal may have.
   double bounded(double roughness) const {
-    return std::clamp(roughness, std::max(0.4 * scene_.material.roughness, kLeastRoughness), 1.0);
+    return std::clamp(roughness, std::max(0.4 * scene_.material.roughness, kMinRoughness), 1.0);
   }
 
   /// @return whether there are enough
@@ -141,38 +141,38 @@ class RoughnessSearch {
         pixels_.push_back(i);
       }
     }
-    return pixels_.size() >= kFewestPixels;
+    return pixels_.size() >= kMinPixels;
   }
 
-  static Halves slopes_between(const Halves& base, const Halves& changed, double step) {
-    Halves slopes = changed;
+  static Halves derivatives_between(const Halves& base, const Halves& changed, double step) {
+    Halves derivatives = changed;
     for (std::size_t half = 0; half < 2; ++half) {
       std::ranges::transform(
           changed[half].values(),
           base[half].values(),
-          slopes[half].values().begin(),
+          derivatives[half].values().begin(),
           [&](float after, float before) {
             return static_cast<float>(static_cast<double>(after - before) / step);
           });
     }
-    return slopes;
+    return derivatives;
   }
 
   static Vector2d row_of(const Halves& base,
-                         const Halves& slopes,
+                         const Halves& derivatives,
                          std::size_t half,
                          std::size_t pixel) {
     return {static_cast<double>(base[half].values()[pixel]),
-            static_cast<double>(slopes[half].values()[pixel])};
+            static_cast<double>(derivatives[half].values()[pixel])};
   }
 
   /// Nothing where these pixels do not tell both.
-  std::optional<GreyFit> fitted(const Halves& base, const Halves& slopes) const {
+  std::optional<GreyFit> fitted(const Halves& base, const Halves& derivatives) const {
     Matrix2d products = Matrix2d::Zero();
     Vector2d right = Vector2d::Zero();
     for (const std::size_t pixel : pixels_) {
-      const Vector2d one = row_of(base, slopes, 0, pixel);
-      const Vector2d other = row_of(base, slopes, 1, pixel);
+      const Vector2d one = row_of(base, derivatives, 0, pixel);
+      const Vector2d other = row_of(base, derivatives, 1, pixel);
       products += 0.5 * (one * other.transpose() + other * one.transpose());
       right += 0.5 * (one + other) * static_cast<double>(real_.values()[pixel]);
     }
@@ -183,18 +183,19 @@ class RoughnessSearch {
     }
     const Matrix2d inverse = products.inverse();
     GreyFit fit = {.values = inverse * right};
-    fit.covariance = inverse * scatter_of(base, slopes, fit) * inverse;
+    fit.covariance = inverse * scatter_of(base, derivatives, fit) * inverse;
     return fit.values[0] > 0.0 && std::isfinite(fit.change()) ? std::optional(fit) : std::nullopt;
   }
 
   /// Sum over blocks of the squares of their parts of the gradient. @param fit  receives its rest
-  Matrix2d scatter_of(const Halves& base, const Halves& slopes, GreyFit& fit) const {
+  Matrix2d scatter_of(const Halves& base, const Halves& derivatives, GreyFit& fit) const {
     const int width = real_.width();
     const int across = width / kBlockPx + 1;
     std::vector<Vector2d> blocks(static_cast<std::size_t>(across * (real_.height() / kBlockPx + 1)),
                                  Vector2d::Zero());
     for (const std::size_t pixel : pixels_) {
-      const Vector2d row = 0.5 * (row_of(base, slopes, 0, pixel) + row_of(base, slopes, 1, pixel));
+      const Vector2d row =
+          0.5 * (row_of(base, derivatives, 0, pixel) + row_of(base, derivatives, 1, pixel));
       const double rest = static_cast<double>(real_.values()[pixel]) - row.dot(fit.values);
       const int x = static_cast<int>(pixel) % width / kBlockPx;
       const int y = static_cast<int>(pixel) / width / kBlockPx;
@@ -247,7 +248,7 @@ std::optional<RoughnessFit> fit_roughness(const ComparedPair& pair,
                                           SceneStore& store) {
   const MaterialSettings& material = scene.material;
   if (material.type != MaterialSettings::Type::kConductor || !material.alpha.empty() ||
-      material.roughness < kLeastRoughness || scene.sensor.wavelengths_nm.size() != 1) {
+      material.roughness < kMinRoughness || scene.sensor.wavelengths_nm.size() != 1) {
     return std::nullopt;
   }
   return RoughnessSearch(pair, scene, store).find();

@@ -15,7 +15,7 @@ namespace glint {
 namespace {
 
 constexpr int kResamples = 400;
-constexpr double kLeastDistance = 1e-6;  ///< equal photographs would make every multiple infinite
+constexpr double kMinDistance = 1e-6;  ///< equal photographs would make every multiple infinite
 
 /// Distances of all pairs, found once: [first][second].
 using DistanceTable = std::vector<std::vector<SampleDistances>>;
@@ -59,7 +59,7 @@ class Measure {
       }
       if (!across.empty()) {
         row.simulated = median(across);
-        row.multiple = row.simulated / std::max(row.real, kLeastDistance);
+        row.multiple = row.simulated / std::max(row.real, kMinDistance);
         logarithm += std::log(std::max(row.multiple, 1e-9));
       }
       result.pairs = among.size();

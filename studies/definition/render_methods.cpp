@@ -58,7 +58,7 @@ class MethodRange {
   std::vector<Problem> problems_;
 };
 
-constexpr double kLeastAlpha = 0.02;
+constexpr double kMinAlpha = 0.02;
 constexpr double kLargestAlpha = 0.1;
 
 /// What of a scene blurred reflections do not model.
@@ -124,14 +124,13 @@ class BlurredRange : public MethodRange {
              has_alpha ? "are equal ones" : "is 0");
       return;
     }
-    expect(alpha >= kLeastAlpha && alpha <= kLargestAlpha,
+    expect(alpha >= kMinAlpha && alpha <= kLargestAlpha,
            has_alpha ? "material.alpha" : "material.roughness",
            has_alpha ? fmt::format("is {:g}", alpha)
                      : fmt::format("is {:g}, a width of {:g}", material.roughness, alpha),
-           has_alpha
-               ? fmt::format("are {:g} to {:g}", kLeastAlpha, kLargestAlpha)
-               : fmt::format(
-                     "are {:.3f} to {:.3f}", std::sqrt(kLeastAlpha), std::sqrt(kLargestAlpha)));
+           has_alpha ? fmt::format("are {:g} to {:g}", kMinAlpha, kLargestAlpha)
+                     : fmt::format(
+                           "are {:.3f} to {:.3f}", std::sqrt(kMinAlpha), std::sqrt(kLargestAlpha)));
   }
 
   void check_camera() {
@@ -143,8 +142,8 @@ class BlurredRange : public MethodRange {
   }
 };
 
-constexpr double kLeastDirectAlpha = 0.05;
-constexpr int kMostDirectRays = 4;  ///< along each side of a pixel
+constexpr double kMinDirectAlpha = 0.05;
+constexpr int kMaxDirectRays = 4;  ///< along each side of a pixel
 
 /// What of a scene the sum of direct light does not model.
 class DirectRange : public MethodRange {
@@ -156,10 +155,10 @@ class DirectRange : public MethodRange {
     check_surface();
     expect_pinhole();
     const int rays = scene_.render.rays_per_axis;
-    expect(!is_direct(scene_) || rays <= kMostDirectRays,
+    expect(!is_direct(scene_) || rays <= kMaxDirectRays,
            "render.rays_per_axis",
            fmt::format("is {}", rays),
-           fmt::format("are 1 to {}", kMostDirectRays));
+           fmt::format("are 1 to {}", kMaxDirectRays));
     return std::move(problems_);
   }
 
@@ -203,10 +202,10 @@ class DirectRange : public MethodRange {
     const bool has_alpha = !material.alpha.empty();
     const auto [x, y] = has_alpha ? GgxAlpha<double>{material.alpha.front(), material.alpha.back()}
                                   : alpha_from_roughness(material.roughness, material.anisotropy);
-    expect(std::min(x, y) >= kLeastDirectAlpha,
+    expect(std::min(x, y) >= kMinDirectAlpha,
            has_alpha ? "material.alpha" : "material.roughness",
            fmt::format("makes a width of {:g}", std::min(x, y)),
-           fmt::format("are widths from {:g}", kLeastDirectAlpha));
+           fmt::format("are widths from {:g}", kMinDirectAlpha));
   }
 };
 
@@ -265,7 +264,7 @@ SceneSettings finer_settings(SceneSettings scene) {
   constexpr int kFreshSeed = 1000003;
   scene.sensor.seed += kFreshSeed;
   if (is_direct(scene)) {
-    scene.render.rays_per_axis = std::min(kMostDirectRays, 2 * scene.render.rays_per_axis);
+    scene.render.rays_per_axis = std::min(kMaxDirectRays, 2 * scene.render.rays_per_axis);
   } else if (needs_paths(scene)) {
     constexpr int kMoreSamples = 4;  // half the standard error
     constexpr int kMaxSamples = 65535;

@@ -17,7 +17,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kDesigns = 12;
-constexpr int kMostTries = 4 * kDesigns;  ///< designs may be impossible
+constexpr int kMaxTries = 4 * kDesigns;  ///< designs may be impossible
 constexpr std::uint64_t kDesignSeed = 79;
 constexpr int kFirstPicture = 100;  ///< random numbers that nothing else on the frontier has
 constexpr double kAtLeast = 1.5;    ///< times the reference's time for all of it
@@ -154,7 +154,7 @@ class Ranking {
     const FrontierPoint& other = reference.method.follows_paths ? reference : *coarser;
     const double share = reference.method.follows_paths ? 0.25 : 1.0;  // mean of two
     double squares = 0.0;
-    for (int i = 0; i < kMostTries && static_cast<int>(scenes_.size()) < kDesigns; ++i) {
+    for (int i = 0; i < kMaxTries && static_cast<int>(scenes_.size()) < kDesigns; ++i) {
       tell("reference, " + std::to_string(i + 1));
       const auto scene = design(static_cast<std::uint32_t>(i));
       const auto one =

@@ -8,11 +8,11 @@
 namespace glint {
 namespace {
 
-constexpr int kMostReduction = 2;  ///< that a ladder has
+constexpr int kMaxReduction = 2;  ///< that a ladder has
 
 /// What a ladder of the scene may hold.
 bool is_rung(const FrontierPoint& point, const Frontier& frontier) {
-  return point.problem.empty() && point.realisation.empty() && point.reduction <= kMostReduction &&
+  return point.problem.empty() && point.realisation.empty() && point.reduction <= kMaxReduction &&
          point.tessellation == frontier.points.front().tessellation;
 }
 

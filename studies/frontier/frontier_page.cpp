@@ -133,7 +133,7 @@ void check_study_scene(const Study& study, int threads) {
     const ComparedMethod method = frontier_methods(study.scene).front().method;
     SceneSettings quick = rendered_by(method, study.scene);
     if (method.follows_paths) {
-      quick = with_larger_pixels(quick, pixel_factor(quick.camera, kMostFrontierPixels));
+      quick = with_larger_pixels(quick, pixel_factor(quick.camera, kMaxFrontierPixels));
       store.leave_out_unseen_defects();
     }
     evaluate(store, quick);

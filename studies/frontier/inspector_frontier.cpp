@@ -126,7 +126,7 @@ class InspectorMeasuring {
   /// As many parts as the scene asks for, or as the budget is enough for, by one of each.
   void choose_numbers() {
     constexpr double kShare = 0.8;
-    constexpr int kLeast = 2;
+    constexpr int kMin = 2;
     tell("first scans");
     const SimulatedLine line(store_, scene_);
     const double start = seconds();
@@ -136,9 +136,9 @@ class InspectorMeasuring {
         kShare * options_.budget_s /
         (std::max(1e-6, seconds() - start) * static_cast<double>(frontier_.points.size()));
     const auto within = [&](int wanted) {
-      return std::clamp(static_cast<int>(std::min(1e6, rounds)), kLeast, wanted);
+      return std::clamp(static_cast<int>(std::min(1e6, rounds)), kMin, wanted);
     };
-    frontier_.parts = within(std::max(kLeast, scene_.inspection.trials.parts));
+    frontier_.parts = within(std::max(kMin, scene_.inspection.trials.parts));
     frontier_.flawless = within(scene_.inspection.trials.flawless);
   }
 

@@ -23,11 +23,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kReferencePictures = 4;
-constexpr int kTimedSamples = 16;                ///< of the picture whose time is taken
-constexpr int kMostPictures = 4;                 ///< of a method
-constexpr double kReferenceShare = 0.4;          ///< of the budget, at most
-constexpr double kPicturesShare = 0.01;          ///< of the budget, for a method's further pictures
-constexpr double kLeastRelevantContrast = 0.01;  ///< smaller ones are not worth a relative error
+constexpr int kTimedSamples = 16;              ///< of the picture whose time is taken
+constexpr int kMaxPictures = 4;                ///< of a method
+constexpr double kReferenceShare = 0.4;        ///< of the budget, at most
+constexpr double kPicturesShare = 0.01;        ///< of the budget, for a method's further pictures
+constexpr double kMinRelevantContrast = 0.01;  ///< smaller ones are not worth a relative error
 
 /// What is scored: as in a search, and the defects.
 WantedScores wanted_of(const Goal* goal) {
@@ -77,8 +77,8 @@ std::map<std::string, ReferenceScore> pooled_scores(const Evaluation& evaluation
 
 /// Twice as many reflections as the scene's, and at least 8: what the scene leaves out is an error.
 int reference_reflections(int own) {
-  constexpr int kMost = 64;
-  return std::min(kMost, std::max(8, 2 * own));
+  constexpr int kMax = 64;
+  return std::min(kMax, std::max(8, 2 * own));
 }
 
 /// The scene whose one picture is all samples of the reference: twice its reflections, and batches
@@ -94,7 +94,7 @@ class PathMeasuring {
  public:
   PathMeasuring(const SceneSettings& scene, const FrontierOptions& options)
       : options_(options), pool_(options.threads), wanted_(wanted_of(options.goal)) {
-    frontier_.pixel_factor = pixel_factor(scene.camera, kMostFrontierPixels);
+    frontier_.pixel_factor = pixel_factor(scene.camera, kMaxFrontierPixels);
     scene_ = with_larger_pixels(scene, frontier_.pixel_factor);
     frontier_.width_px = scene_.camera.width_px;
     frontier_.height_px = scene_.camera.height_px;
@@ -152,11 +152,11 @@ class PathMeasuring {
   }
 
   int reference_samples() const {
-    constexpr int kLeast = 16;
-    constexpr int kMost = 1024;
-    int samples = kLeast;
-    while (samples < kMost && kReferencePictures * (fixed_s_ + 4 * samples * per_sample_s_) <
-                                  kReferenceShare * options_.budget_s) {
+    constexpr int kMin = 16;
+    constexpr int kMax = 1024;
+    int samples = kMin;
+    while (samples < kMax && kReferencePictures * (fixed_s_ + 4 * samples * per_sample_s_) <
+                                 kReferenceShare * options_.budget_s) {
       samples *= 4;
     }
     return samples;
@@ -247,7 +247,7 @@ class PathMeasuring {
     const double build_s = process_cpu_s() - start;
     const bool has_noise = point.method.follows_paths;
     const double affordable = kPicturesShare * options_.budget_s / needed_s;
-    point.pictures = has_noise ? std::clamp(static_cast<int>(affordable), 1, kMostPictures) : 1;
+    point.pictures = has_noise ? std::clamp(static_cast<int>(affordable), 1, kMaxPictures) : 1;
     std::map<std::string, std::vector<double>> values;
     double mean_square = 0.0;
     double smooth_square = 0.0;
@@ -305,11 +305,10 @@ class PathMeasuring {
       const auto of_change = errors.find(change_name(label));
       if (of_weber != errors.end() && of_change != errors.end()) {
         const double change = frontier_.reference.change.at(label);
-        point.defects[label] = {
-            .weber_percent =
-                100.0 * of_weber->second.error / std::max(kLeastRelevantContrast, std::abs(weber)),
-            .change_percent = 100.0 * of_change->second.error /
-                              std::max(kLeastRelevantContrast, std::abs(change))};
+        point.defects[label] = {.weber_percent = 100.0 * of_weber->second.error /
+                                                 std::max(kMinRelevantContrast, std::abs(weber)),
+                                .change_percent = 100.0 * of_change->second.error /
+                                                  std::max(kMinRelevantContrast, std::abs(change))};
       }
     }
     for (const auto& [name, score] : frontier_.reference.scores) {

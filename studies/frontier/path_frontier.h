@@ -12,7 +12,7 @@
 namespace glint {
 
 /// Most pixels of a picture on the frontier.
-inline constexpr double kMostFrontierPixels = 0.3e6;
+inline constexpr double kMaxFrontierPixels = 0.3e6;
 
 /// @throws ConfigError beginning with the key at fault, IoError
 Frontier measure_path_frontier(const SceneSettings& scene, const FrontierOptions& options);

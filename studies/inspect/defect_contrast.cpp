@@ -22,8 +22,8 @@ using Eigen::Vector2d;
 constexpr double kInnerRing = 1.5;  ///< of the surroundings, in radii from the defect
 constexpr double kOuterRing = 3.0;
 constexpr int kTerms = 6;  ///< of a quadratic in x and y
-constexpr double kLeastInside = 4.0;
-constexpr double kLeastAround = 2.0 * kTerms;
+constexpr double kMinInside = 4.0;
+constexpr double kMinAround = 2.0 * kTerms;
 constexpr double kSingular = 1e-9;  ///< of the normal equations' largest pivot
 constexpr int kAlikeReachPx = 4;    ///< of the correlation between pixels
 
@@ -60,7 +60,7 @@ class DefectPatch {
   std::optional<Estimate> contrast() const {
     const double inside = count(PatchPart::kInside);
     const double around = count(PatchPart::kAround);
-    if (inside < kLeastInside || around < kLeastAround) {
+    if (inside < kMinInside || around < kMinAround) {
       return std::nullopt;
     }
     const Eigen::ColPivHouseholderQR<Square> products = products_around();

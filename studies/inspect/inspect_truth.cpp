@@ -21,7 +21,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLeastSeenPx = 1.0;  ///< what `glint render` sees less of has no window either
+constexpr double kMinSeenPx = 1.0;  ///< what `glint render` sees less of has no window either
 
 /// Radius of a line with round ends from its area: pi r^2 + 2 r length = area.
 double radius_of(double area_px, double length_px) {
@@ -36,7 +36,7 @@ class Reader {
   /// Empty when the camera does not see the defect: it is on the far side, or outside the picture.
   std::optional<KnownDefect> read(const nlohmann::json& json) const {
     const double area_px = json.at("area_px").get<double>();
-    if (area_px < kLeastSeenPx) {
+    if (area_px < kMinSeenPx) {
       return std::nullopt;
     }
     KnownDefect known{.id = json.at("id").get<int>(),

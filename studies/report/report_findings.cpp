@@ -210,9 +210,9 @@ struct CommonValue {
   int total = 0;
 
   bool is_flat() const {
-    constexpr int kFewest = 5;
+    constexpr int kMin = 5;
     constexpr double kShare = 0.8;
-    return total >= kFewest && count >= kShare * total;
+    return total >= kMin && count >= kShare * total;
   }
 };
 

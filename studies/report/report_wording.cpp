@@ -205,9 +205,9 @@ std::string Wording::limit(double value, int more) const {
 }
 
 int Wording::digits_apart(double value, double limit) const {
-  constexpr int kMost = 14;
+  constexpr int kMax = 14;
   int more = 0;
-  while (more < kMost && text(value, more) == text(limit, more)) {
+  while (more < kMax && text(value, more) == text(limit, more)) {
     ++more;
   }
   return more;
@@ -217,9 +217,9 @@ std::string Wording::size(double gap) const {
   if (!is_percent_) {
     return measured(gap);
   }
-  constexpr int kMost = 4;
+  constexpr int kMax = 4;
   int decimals = 1;
-  for (double least = 0.05; gap > 0.0 && 100 * gap < least && decimals < kMost; least /= 10) {
+  for (double least = 0.05; gap > 0.0 && 100 * gap < least && decimals < kMax; least /= 10) {
     ++decimals;
   }
   return fmt::format("{:.{}f} points", 100 * gap, decimals);

@@ -290,9 +290,9 @@ double area_px(const Film& sums, const DefectSums& defect) {
 }
 
 bool is_seen(const Film& sums, const DefectSums& defect) {
-  constexpr double kLeast_px = 1.0;
+  constexpr double kMin_px = 1.0;
   constexpr double kRounding_px = 1e-9;
-  return area_px(sums, defect) >= kLeast_px - kRounding_px;
+  return area_px(sums, defect) >= kMin_px - kRounding_px;
 }
 
 Json defect_in_view_json(const Defect& defect,

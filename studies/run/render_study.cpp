@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-constexpr int kMostViews = 999;
+constexpr int kMaxViews = 999;
 
 /// "gear"; empty where the folder does not tell.
 std::string rendered_study(const fs::path& out) {
@@ -42,7 +42,7 @@ std::string rendered_study(const fs::path& out) {
 /// The folders that views are written to.
 std::vector<std::string> folders_of_views() {
   std::vector<std::string> names = {"baseline"};
-  for (int view = 1; view <= kMostViews; ++view) {
+  for (int view = 1; view <= kMaxViews; ++view) {
     names.push_back(fmt::format("view_{:02}", view));
   }
   return names;

@@ -38,8 +38,8 @@ std::optional<PredictedSearch> predicted_search(const Budget& budget,
   const bool has_count = budget.evaluations > 0;
   const double all_s = evaluation_s * budget.evaluations;
   if (budget.wall_clock_s > 0.0 && (!has_count || in_time_s < all_s)) {
-    constexpr double kMost = 1e9;
-    const double count = evaluation_s > 0.0 ? std::min(kMost, in_time_s / evaluation_s) : 0.0;
+    constexpr double kMax = 1e9;
+    const double count = evaluation_s > 0.0 ? std::min(kMax, in_time_s / evaluation_s) : 0.0;
     return PredictedSearch{
         .cpu_s = in_time_s, .evaluations = static_cast<int>(count), .is_timed = true};
   }

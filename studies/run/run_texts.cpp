@@ -69,11 +69,11 @@ std::string progress_note(const Goal& goal, const SearchProgress& progress) {
 }
 
 std::string changes_text(const std::vector<std::string>& changes) {
-  constexpr std::size_t kMostTold = 3;
+  constexpr std::size_t kMaxTold = 3;
   if (changes.empty()) {
     return "the content of a file that it names has changed";
   }
-  const std::size_t told = std::min(changes.size(), kMostTold);
+  const std::size_t told = std::min(changes.size(), kMaxTold);
   std::string text = join(std::span(changes).first(told), ", ");
   return changes.size() == told ? text : fmt::format("{} and {} more", text, changes.size() - told);
 }

@@ -205,7 +205,7 @@ class WinnerMeasuring {
   /// Of h in points, of other scores in per cent of the winner's.
   CellError error_of(const Lead& before, const Lead& now) const {
     const bool is_h = run_.study.goal.objective.name.starts_with("homogeneity.h_");
-    const double unit = is_h ? 0.01 : 0.01 * std::max(kLeastContrast, std::abs(before.winner));
+    const double unit = is_h ? 0.01 : 0.01 * std::max(kMinContrast, std::abs(before.winner));
     const bool is_flipped = before.is_winners != now.is_winners;
     const double turned = std::min(std::abs(before.lead), std::abs(now.lead));
     const double own = is_h ? options_.bounds.h_points : options_.bounds.contrast_percent;

@@ -31,7 +31,7 @@ void check_mirror(const MaterialSettings& material) {
   }
 }
 
-/// The given scene without noise, in at most kMostPixels.
+/// The given scene without noise, in at most kMaxPixels.
 ConfigNode quiet_scene(const ConfigNode& given) {
   std::vector<Problem> problems;
   SceneSettings scene = read_scene(given, problems);

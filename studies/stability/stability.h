@@ -18,7 +18,7 @@ struct StabilityOptions {
   int threads = 1;
   Bounds bounds;
   /// A scene in place of the built-in one for all sweeps under a tunnel; its noise is left out and
-  /// its camera has at most kMostPixels.
+  /// its camera has at most kMaxPixels.
   std::optional<ConfigNode> base = {};
   /// Called with the cells done and what comes next; false: no further cell is begun.
   std::function<bool(int done, const std::string& next)> on_progress = {};

@@ -74,7 +74,7 @@ CellError contrast_error(const Outcome& outcome,
         outcome.evaluation.defects, scene.part.dents[i].label, &DefectScores::label);
     GLINT_CHECK(found != outcome.evaluation.defects.end(), "a dent has no scores");
     const double right = scores.change[i];
-    const double error = 100.0 * std::abs(found->change - right) / std::max(right, kLeastContrast);
+    const double error = 100.0 * std::abs(found->change - right) / std::max(right, kMinContrast);
     if (error > worst.error) {
       worst.error = error;
       worst.measured = found->change;

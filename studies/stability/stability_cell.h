@@ -17,12 +17,12 @@ namespace glint::stability {
 /// What may be wrong without a word.
 struct Bounds {
   double h_points = 0.5;          ///< > 0; of h_rms
-  double contrast_percent = 5.0;  ///< > 0; of a dent's change, of at least kLeastContrast
+  double contrast_percent = 5.0;  ///< > 0; of a dent's change, of at least kMinContrast
   double picture = 0.01;          ///< > 0; of full scale: rms over the region, and its mean
 };
 
 /// Relative errors are of at least this contrast: one grey value in a hundred.
-inline constexpr double kLeastContrast = 0.01;
+inline constexpr double kMinContrast = 0.01;
 
 enum class Verdict {
   kRight,    ///< within all bounds

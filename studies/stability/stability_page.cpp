@@ -66,7 +66,7 @@ std::vector<std::string> method_lines(const Bounds& bounds) {
                   "{:g} of full scale), {:g} of full scale for the mean image.",
                   bounds.h_points,
                   bounds.contrast_percent,
-                  kLeastContrast,
+                  kMinContrast,
                   bounds.picture),
       "Scenes under a tunnel are compared with a tracer of their own in double precision, 144 or "
       "576 rays a pixel, that uses nothing of the renderer; the light beside a matt plate with "

@@ -112,7 +112,7 @@ std::vector<SweepValue> key_values(const std::string& key,
 
 void reduce_camera(CameraSettings& camera) {
   const double pixels = static_cast<double>(camera.width_px) * camera.height_px;
-  const double factor = std::max(1.0, std::sqrt(pixels / kMostPixels));
+  const double factor = std::max(1.0, std::sqrt(pixels / kMaxPixels));
   camera.width_px = static_cast<int>(camera.width_px / factor);
   camera.height_px = static_cast<int>(camera.height_px / factor);
   camera.object_pixel_mm *= factor;

@@ -13,7 +13,7 @@
 
 namespace glint::stability {
 
-inline constexpr int kMostPixels = 8000;
+inline constexpr int kMaxPixels = 8000;
 
 /// What sweeps of ratios are relative to: of base_scene_text(), or of a scene in its place.
 struct SweptScene {
@@ -23,7 +23,7 @@ struct SweptScene {
   std::string tunnel = "tunnel";  ///< its table below [lighting]
 };
 
-/// Fewer and larger pixels where there are more than kMostPixels.
+/// Fewer and larger pixels where there are more than kMaxPixels.
 void reduce_camera(CameraSettings& camera);
 
 /// Of a scene whose camera is reduced.

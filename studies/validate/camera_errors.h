@@ -17,7 +17,7 @@ namespace glint::validate_detail {
 /// diagonal of J C J^T, J by finite differences of the fit's step, through renderings with the
 /// camera changed.
 /// @param state       where the fit stands
-/// @param system      its slopes there
+/// @param system      its derivatives there
 /// @param left        what it leaves of the real grey values, for the weights of pixels
 /// @param covariance  GeometryFit::covariance; GreyView::pose tells a view's numbers. Empty: there
 ///                    are none
@@ -28,8 +28,8 @@ void add_camera_errors(GreyProblem& problem,
                        const Eigen::MatrixXd& covariance,
                        Eigen::VectorXd& sigma);
 
-/// The variance that they add, from slopes that are known. @param by  of each number of the
-/// covariance the slopes of all grey values
+/// The variance that they add, from derivatives that are known. @param by  of each number of the
+/// covariance the derivatives of all grey values
 Eigen::VectorXd added_variance(const GreySystem& system,
                                const GreyHalves& left,
                                std::span<const GreyHalves> by,

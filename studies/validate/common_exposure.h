@@ -15,16 +15,16 @@
 
 namespace glint::validate_detail {
 
-inline constexpr double kLeastExposure = 0.01;  ///< smaller changes are nobody's concern
-inline constexpr double kLeastPower = 0.03;
-inline constexpr double kLeastLightMm = 0.5;
-inline constexpr double kLeastRoughness = 0.03;
-inline constexpr double kLeastBlurPx = 0.3;
-inline constexpr std::size_t kLeastVoices = 3;  ///< of which one that is wrong is outvoted
+inline constexpr double kMinExposure = 0.01;  ///< smaller changes are nobody's concern
+inline constexpr double kMinPower = 0.03;
+inline constexpr double kMinLightMm = 0.5;
+inline constexpr double kMinRoughness = 0.03;
+inline constexpr double kMinBlurPx = 0.3;
+inline constexpr std::size_t kMinVoices = 3;  ///< of which one that is wrong is outvoted
 
 /// Whether rounding leaves too little of a design to tell a wrong power by.
 inline bool is_rounded_away(const GreyFit& fit) {
-  return fit.is_known && fit.rounding > kMostRounding;
+  return fit.is_known && fit.rounding > kMaxRounding;
 }
 
 /// Exposures of the whole cell at which a design's own would be rounding alone.
@@ -52,8 +52,8 @@ inline std::vector<const GreyFit*> voices_of(std::span<const DesignGrey> designs
   }
   std::ranges::stable_sort(fits, {}, [](const GreyFit* fit) { return fit->rounding; });
   const auto sharp = static_cast<std::size_t>(std::ranges::count_if(
-      fits, [](const GreyFit* fit) { return fit->rounding <= kLeastExposure; }));
-  fits.resize(std::min(fits.size(), std::max(sharp, kLeastVoices)));
+      fits, [](const GreyFit* fit) { return fit->rounding <= kMinExposure; }));
+  fits.resize(std::min(fits.size(), std::max(sharp, kMinVoices)));
   std::ranges::stable_sort(fits, {}, [](const GreyFit* fit) { return fit->change.exposure; });
   return fits;
 }
@@ -76,7 +76,7 @@ inline const GreyFit* common_fit(std::span<const DesignGrey> designs) {
   for (const GreyFit* fit : fits) {
     const ExposureRange own = range_of(*fit, 1.0);
     if (own.low <= around.high && own.high >= around.low &&
-        std::max(fit->rounding, kLeastExposure) < sharpest->rounding) {
+        std::max(fit->rounding, kMinExposure) < sharpest->rounding) {
       sharpest = fit;
     }
   }
@@ -88,7 +88,7 @@ inline const GreyFit* common_fit(std::span<const DesignGrey> designs) {
 inline bool has_other_power(const GreyFit& fit, const GreyFit& common) {
   const ExposureRange own = range_of(fit, common.change.exposure);
   const ExposureRange cell = range_of(common, common.change.exposure);
-  return own.low > (1.0 + kLeastPower) * cell.high || own.high < (1.0 - kLeastPower) * cell.low;
+  return own.low > (1.0 + kMinPower) * cell.high || own.high < (1.0 - kMinPower) * cell.low;
 }
 
 }  // namespace glint::validate_detail

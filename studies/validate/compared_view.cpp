@@ -26,7 +26,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLeastContrast = 0.02;  ///< fainter ones are noise
+constexpr double kMinContrast = 0.02;  ///< fainter ones are noise
 
 std::string folder_name(std::size_t index) {
   return fmt::format("view_{:02}", index + 1);
@@ -73,7 +73,7 @@ SeenContrasts contrasts_of(const InspectedPair& pair, double share) {
       ++seen.found_both;
       seen.same_class += first.found_as == second.found_as ? 1 : 0;
     }
-    if (first.contrast && second.contrast && std::abs(first.contrast->value) > kLeastContrast) {
+    if (first.contrast && second.contrast && std::abs(first.contrast->value) > kMinContrast) {
       ++seen.seen;
       seen.apart += are_apart(*first.contrast, *second.contrast, share) ? 1 : 0;
     }

@@ -29,9 +29,9 @@ constexpr Index kPartAt = 15;
 constexpr Index kRobotAt = 21;
 constexpr std::size_t kMinEdges = 50;
 constexpr double kGeometryPrice = 14.0;  ///< 3.7 standard deviations for each number
-constexpr double kLeastOfMisfit = 0.02;  ///< of the misfit, for each fault
+constexpr double kMinOfMisfit = 0.02;    ///< of the misfit, for each fault
 constexpr double kNearlyShare = 0.05;    ///< of the misfit: explanations that are as good
-constexpr double kLeastNoisePx = 0.03;   ///< how well an edge of a rendered picture is located
+constexpr double kMinNoisePx = 0.03;     ///< how well an edge of a rendered picture is located
 constexpr double kEdgeHuber = 2.5;
 constexpr std::size_t kMaxLag = 60;
 
@@ -185,7 +185,7 @@ class Fitter {
       for (Index i = 0; i < left.size(); ++i) {
         sizes[static_cast<std::size_t>(i)] = std::abs(left[i]);
       }
-      noise_px_ = std::max(1.4826 * median(std::move(sizes)), kLeastNoisePx);
+      noise_px_ = std::max(1.4826 * median(std::move(sizes)), kMinNoisePx);
       for (Index i = 0; i < left.size(); ++i) {
         const double ratio = std::abs(left[i]) / (kEdgeHuber * noise_px_);
         weights_[i] = (ratio > 1.0 ? 1.0 / square(ratio) : 1.0) / square(noise_px_);
@@ -221,8 +221,8 @@ class Fitter {
       double price = solution.cost;
       for (std::size_t f = 0; f < kGeometryFaults; ++f) {
         if ((faults >> f & 1U) != 0) {
-          price += std::max(kGeometryPrice * static_cast<double>(kBlocks[f].size),
-                            kLeastOfMisfit * whole);
+          price +=
+              std::max(kGeometryPrice * static_cast<double>(kBlocks[f].size), kMinOfMisfit * whole);
         }
       }
       prices[faults] = price;
@@ -321,7 +321,7 @@ class Fitter {
   VectorXd right_;
   double offset_squares_ = 0.0;
   Solution solution_;
-  double noise_px_ = kLeastNoisePx;
+  double noise_px_ = kMinNoisePx;
 };
 
 }  // namespace

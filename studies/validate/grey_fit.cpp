@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Causes are freed one after the other: all are looked at by slopes from where the fit began, the
-// most promising of each kind are fitted, and what a later one makes needless is taken back.
+// Causes are freed one after the other: all are looked at by derivatives from where the fit began,
+// the most promising of each kind are fitted, and what a later one makes needless is taken back.
 #include "studies/validate/grey_fit.h"
 
 #include <algorithm>
@@ -35,17 +35,17 @@ using validate_detail::rendered_score;
 using validate_detail::score_of;
 using validate_detail::step_of;
 
-constexpr Index kLeastPixels = 200;
+constexpr Index kMinPixels = 200;
 constexpr int kRounds = 6;
 constexpr double kSettledMm = 0.1;
-constexpr double kLongestPolishMm = 2.0;  ///< slopes are not those of places farther away
+constexpr double kLongestPolishMm = 2.0;  ///< derivatives are not those of places farther away
 
 struct Fitted {
   GreyState state;
   std::vector<GreyTerm> terms;
   double score = std::numeric_limits<double>::max();
   VectorXd sigma;
-  GreySystem system;  ///< of the last slopes
+  GreySystem system;  ///< of the last derivatives
 };
 
 GreySystem joined(GreySystem first, const GreySystem& second) {
@@ -61,14 +61,14 @@ class GreyFitter {
 
   std::vector<GreyFit> fit(const GreyOptions& options) {
     std::vector<GreyFit> fits(model().designs().size());
-    if (model().lights().empty() || model().real().size() < kLeastPixels) {
+    if (model().lights().empty() || model().real().size() < kMinPixels) {
       return fits;
     }
     const GreyState start = problem_.start();
     const Fitted exposed = fitted(start, own_exposures());
     double most = 0.0;
     for (std::size_t d = 0; d < fits.size(); ++d) {
-      fits[d].is_known = model().rows(d).count >= kLeastPixels;
+      fits[d].is_known = model().rows(d).count >= kMinPixels;
       fits[d].before = even_share(start, d);
       fits[d].exposed = even_share(exposed.state, d);
       most = std::max(most, fits[d].exposed);
@@ -132,7 +132,7 @@ class GreyFitter {
     return best;
   }
 
-  /// Gauss-Newton from a state with some numbers free. Slopes by place and roughness cost
+  /// Gauss-Newton from a state with some numbers free. Derivatives by place and roughness cost
   /// renderings, and hold for two steps.
   Fitted fitted(GreyState state, const std::vector<GreyTerm>& terms) {
     const bool is_linear = !needs_rendering(terms);
@@ -168,8 +168,8 @@ class GreyFitter {
     });
   }
 
-  /// One more step from fine pictures. Only these count for how exact it is: the noise of slopes is
-  /// multiplied by what is left, that of the picture is what is left.
+  /// One more step from fine pictures. Only these count for how exact it is: the noise of
+  /// derivatives is multiplied by what is left, that of the picture is what is left.
   Fitted polished(Fitted fit, const Eigen::MatrixXd& covariance) {
     if (needs_rendering(fit.terms)) {
       const GreyHalves left = left_at(fit.state, true);
@@ -228,7 +228,7 @@ class GreyFitter {
     return is_better;
   }
 
-  /// The slopes without a term, and what is left with its numbers at zero.
+  /// The derivatives without a term, and what is left with its numbers at zero.
   GreySystem without(const Fitted& best, const GreyTerm& term, GreyHalves& left) {
     GreySystem rest;
     GreyState state = best.state;

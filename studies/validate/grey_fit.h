@@ -19,7 +19,7 @@
 namespace glint {
 
 /// A design whose exposure rounding may change by a larger share cannot be judged.
-inline constexpr double kMostRounding = 0.5;
+inline constexpr double kMaxRounding = 0.5;
 
 /// A real picture and the scene that shows it, of equal size, one viewpoint.
 struct GreyView {

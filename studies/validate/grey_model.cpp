@@ -27,7 +27,7 @@ namespace {
 constexpr int kWidthPx = 96;      ///< of the small pictures, about
 constexpr int kMarginPx = 1;      ///< from the part's edge
 constexpr float kBright = 0.98F;  ///< at least: clipped
-constexpr int kLeastSamples = 48;
+constexpr int kMinSamples = 48;
 constexpr int kFiner = 6;  ///< times the samples of fine pictures
 constexpr double kNoiseSigmas = 2.0;
 constexpr double kRounded =
@@ -64,7 +64,7 @@ void GreyModel::add_views(std::size_t design, const GreyDesign& views) {
     const int factor = std::max(1, (view.real.width() + kWidthPx / 2) / kWidthPx);
     SmallView small = {
         .design = design,
-        .scene = reduced_scene(with_separate_segments(view.scene), factor, kLeastSamples),
+        .scene = reduced_scene(with_separate_segments(view.scene), factor, kMinSamples),
         .real = reduce(view.real, factor),
         .sensor = view.scene.sensor,
         .step = view.step > 0.0 ? view.step : camera_step(view.real, view.scene.sensor.bits),
@@ -286,7 +286,7 @@ double GreyModel::hidden_share(std::size_t design) const {
   for (const SmallView& view : views_) {
     step = std::max(step, view.design == design ? view.step : 0.0);
   }
-  return rounding_[design] > kMostRounding ? 0.5 * step / units_[design] : 0.0;
+  return rounding_[design] > kMaxRounding ? 0.5 * step / units_[design] : 0.0;
 }
 
 double GreyModel::even_rms(const Eigen::VectorXd& difference, std::size_t design) const {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Slopes are differences of two noisy renderings, and the rendering that is taken off is the one
-// that the real pictures are compared with: plain least squares find steps that are too small, and
-// half of kStepMm at the true place where slopes are all noise. So products are taken between two
-// independent halves of the samples, as with instrumental variables.
+// Derivatives are differences of two noisy renderings, and the rendering that is taken off is the
+// one that the real pictures are compared with: plain least squares find steps that are too small,
+// and half of kStepMm at the true place where derivatives are all noise. So products are taken
+// between two independent halves of the samples, as with instrumental variables.
 #include "studies/validate/grey_terms.h"
 
 #include <algorithm>
@@ -26,14 +26,14 @@ constexpr double kStepMm = 1.0;          ///< of the differences by place
 constexpr double kStepRoughness = 0.05;  ///< and by the logarithm of roughness
 constexpr double kLongestStepMm = 15.0;
 constexpr double kLongestStepRoughness = 0.4;
-constexpr double kLeastPower = -1.0;  ///< against nominal: dark
-constexpr double kLeastExposure = 0.05;
+constexpr double kMinPower = -1.0;  ///< against nominal: dark
+constexpr double kMinExposure = 0.05;
 
 constexpr double kHuber = 2.5;
 constexpr double kPixelsAlike = 10.0;   ///< neighbours tell about the same
 constexpr double kPrice = 14.0;         ///< 3.7 standard deviations for each number
 constexpr double kFloor = 0.003;        ///< of the mean grey: no model is better
-constexpr double kLeastShare = 0.1;     ///< of slopes' products that is no noise
+constexpr double kMinShare = 0.1;       ///< of derivatives' products that is no noise
 constexpr double kUnknownShare = 1e-3;  ///< likewise for sigma: nothing is known
 
 bool needs_rendering(GreyFault fault) {
@@ -61,7 +61,7 @@ VectorXd weights_of(const VectorXd& left, double noise) {
       [&](double value) { return 1.0 / std::max(1.0, std::abs(value) / (kHuber * noise)); });
 }
 
-/// Of the largest square of slopes.
+/// Of the largest square of derivatives.
 double wish_for(bool is_segment) {
   return is_segment ? 1e-4 : 1e-9;
 }
@@ -78,7 +78,7 @@ void add_wish(const GreySystem& system, MatrixXd& normal) {
 }
 
 /// Mean square, where large ones count less; of two halves their product, which is free of the
-/// noise that slopes add when steps are taken along them.
+/// noise that derivatives add when steps are taken along them.
 double robust_square(const GreyHalves& left) {
   const VectorXd mean = mean_of(left);
   const double noise = std::max(median_size(mean), kFloor);
@@ -112,17 +112,17 @@ void GreySystem::change(GreyHalves& values, double sign, const VectorXd& step) c
   }
 }
 
-/// Along the axes in which the products of noisy slopes are 1, those between the halves are the
-/// share of them that is no noise. A step is at most ten times that of plain least squares; where
-/// it would be longer it is too short, and sigma says that the number is hardly known.
+/// Along the axes in which the products of noisy derivatives are 1, those between the halves are
+/// the share of them that is no noise. A step is at most ten times that of plain least squares;
+/// where it would be longer it is too short, and sigma says that the number is hardly known.
 StepSolver::StepSolver(const GreySystem& system, const GreyHalves& left) : system_(system) {
   const VectorXd mean = mean_of(left);
   noise_ = std::max(median_size(mean), kFloor);
   weights_ = weights_of(mean, noise_);
   const auto weights = weights_.asDiagonal();
   const auto& [first, second] = system.columns;
-  const MatrixXd slopes = mean_of(system.columns);
-  MatrixXd noisy = slopes.transpose() * (weights * slopes);
+  const MatrixXd derivatives = mean_of(system.columns);
+  MatrixXd noisy = derivatives.transpose() * (weights * derivatives);
   const MatrixXd product = first.transpose() * (weights * second);
   MatrixXd normal = 0.5 * (product + product.transpose());
   add_wish(system, noisy);
@@ -143,7 +143,7 @@ VectorXd StepSolver::step(const GreyHalves& values) const {
   const auto weights = weights_.asDiagonal();
   const VectorXd wanted = 0.5 * (first.transpose() * (weights * values[1]) +
                                  second.transpose() * (weights * values[0]));
-  const VectorXd by = shares_.cwiseMax(kLeastShare).cwiseInverse();
+  const VectorXd by = shares_.cwiseMax(kMinShare).cwiseInverse();
   return vectors_ * by.cwiseProduct(vectors_.transpose() * wanted);
 }
 
@@ -209,16 +209,16 @@ GreyHalves GreyProblem::unexposed(const GreyState& state, bool is_fine) {
   return grey_of(*columns_of(state, is_fine), state);
 }
 
-GreyHalves GreyProblem::camera_slope(const GreyState& state,
-                                     const CameraChange& change,
-                                     double step) {
-  GreyHalves slopes =
+GreyHalves GreyProblem::camera_derivative(const GreyState& state,
+                                          const CameraChange& change,
+                                          double step) {
+  GreyHalves derivatives =
       grey_of(model_.columns_by(change, state.places, std::exp(state.roughness)), state);
   const GreyHalves here = unexposed(state);
   for (std::size_t half = 0; half < 2; ++half) {
-    slopes[half] = (slopes[half] - here[half]) / step;
+    derivatives[half] = (derivatives[half] - here[half]) / step;
   }
-  return times(slopes, exposure_of_rows(state));
+  return times(derivatives, exposure_of_rows(state));
 }
 
 VectorXd GreyProblem::exposure_of_rows(const GreyState& state) const {
@@ -283,19 +283,19 @@ void GreyProblem::reset(GreyState& state, const GreyTerm& term) const {
 }
 
 /// Of the unexposed grey values by a place or the roughness.
-GreyHalves GreyProblem::slope(const GreyState& state, const GreyNumber& by) {
+GreyHalves GreyProblem::derivative(const GreyState& state, const GreyNumber& by) {
   const double step = by.term.fault == GreyFault::kLightPlace ? kStepMm : kStepRoughness;
   GreyState moved = state;
   number(moved, by) += step;
-  GreyHalves slopes = unexposed(moved);
+  GreyHalves derivatives = unexposed(moved);
   const GreyHalves here = unexposed(state);
   for (std::size_t half = 0; half < 2; ++half) {
-    slopes[half] = (slopes[half] - here[half]) / step;
+    derivatives[half] = (derivatives[half] - here[half]) / step;
   }
-  return slopes;
+  return derivatives;
 }
 
-/// Slopes of the grey values by one number.
+/// Derivatives of the grey values by one number.
 GreyHalves GreyProblem::column(const GreyState& state, const GreyNumber& by) {
   VectorXd factors = exposure_of_rows(state);
   switch (by.term.fault) {
@@ -317,7 +317,7 @@ GreyHalves GreyProblem::column(const GreyState& state, const GreyNumber& by) {
     case GreyFault::kRoughness:
       break;
   }
-  return times(slope(state, by), factors);
+  return times(derivative(state, by), factors);
 }
 
 void GreyProblem::add_term(const GreyState& state, const GreyTerm& term, GreySystem& system) {
@@ -342,11 +342,11 @@ GreySystem GreyProblem::rough_system(const GreyState& state, const GreyTerm& ter
   auto known = rough_.find(term);
   if (known == rough_.end()) {
     const GreyState begin = start();
-    std::vector<GreyHalves> slopes;
+    std::vector<GreyHalves> derivatives;
     for (int i = 0; i < size_of(term); ++i) {
-      slopes.push_back(slope(begin, {.term = term, .index = i}));
+      derivatives.push_back(derivative(begin, {.term = term, .index = i}));
     }
-    known = rough_.emplace(term, std::move(slopes)).first;
+    known = rough_.emplace(term, std::move(derivatives)).first;
   }
   GreySystem system;
   for (int i = 0; i < size_of(term); ++i) {
@@ -363,11 +363,11 @@ double GreyProblem::take(const GreySystem& system, const VectorXd& step, GreySta
     double& value = number(state, by);
     switch (by.term.fault) {
       case GreyFault::kExposure:
-        value = std::max(kLeastExposure, value + step[i]);
+        value = std::max(kMinExposure, value + step[i]);
         break;
       case GreyFault::kLightPower:
       case GreyFault::kSegments:
-        value = std::max(kLeastPower, value + step[i]);
+        value = std::max(kMinPower, value + step[i]);
         break;
       case GreyFault::kLightPlace: {
         const double by_mm = std::clamp(step[i], -kLongestStepMm, kLongestStepMm);

@@ -41,7 +41,7 @@ struct GreyNumber {
 /// Grey values of all pixels, or what is left of the real ones.
 using GreyHalves = Halves<Eigen::VectorXd>;
 
-/// Slopes of all grey values by some numbers.
+/// Derivatives of all grey values by some numbers.
 struct GreySystem {
   Halves<Eigen::MatrixXd> columns;
   std::vector<GreyNumber> numbers;  ///< of each column
@@ -54,7 +54,7 @@ struct GreySystem {
   void change(GreyHalves& values, double sign, const Eigen::VectorXd& step) const;
 };
 
-/// Robust least squares of steps along slopes, with the weights that what is left asks for.
+/// Robust least squares of steps along derivatives, with the weights that what is left asks for.
 class StepSolver {
  public:
   StepSolver(const GreySystem& system, const GreyHalves& left);
@@ -69,27 +69,27 @@ class StepSolver {
   const GreySystem& system_;
   double noise_ = 0.0;
   Eigen::VectorXd weights_;
-  Eigen::VectorXd shares_;   ///< of slopes' products that are no noise, along the axes
+  Eigen::VectorXd shares_;   ///< of derivatives' products that are no noise, along the axes
   Eigen::MatrixXd vectors_;  ///< the axes; empty: black pictures
 };
 
-/// Robust least squares of a step to where nothing is left, without what the noise of slopes does
-/// to plain ones. @param sigma  of each number, if wanted
+/// Robust least squares of a step to where nothing is left, without what the noise of derivatives
+/// does to plain ones. @param sigma  of each number, if wanted
 Eigen::VectorXd step_of(const GreySystem& system,
                         const GreyHalves& left,
                         Eigen::VectorXd* sigma = nullptr);
 
-/// How badly a fit of so many numbers explains the pictures; without the noise that slopes add when
-/// steps are taken along them.
+/// How badly a fit of so many numbers explains the pictures; without the noise that derivatives add
+/// when steps are taken along them.
 double score_of(const GreyHalves& left, std::size_t numbers);
 
 /// The same of rendered pictures, whose noise is about the same in all of them.
 double rendered_score(const GreyHalves& left, std::size_t numbers);
 
-/// score_of() after a step along the slopes, if grey values were linear.
+/// score_of() after a step along the derivatives, if grey values were linear.
 double linear_score(const GreySystem& system, GreyHalves left);
 
-/// Grey values and slopes of a model, in shares of the mean real grey of each design.
+/// Grey values and derivatives of a model, in shares of the mean real grey of each design.
 class GreyProblem {
  public:
   GreyProblem(SceneStore& store, std::span<const GreyDesign> designs) : model_(store, designs) {}
@@ -103,7 +103,7 @@ class GreyProblem {
   /// All but kExposure that this scene has.
   std::vector<GreyTerm> terms();
 
-  /// Slopes at a state. Places and roughness cost renderings.
+  /// Derivatives at a state. Places and roughness cost renderings.
   GreySystem system_at(const GreyState& state, std::span<const GreyTerm> terms);
 
   /// About those of one term: places and roughness from where the fit began, so that all can be
@@ -111,17 +111,17 @@ class GreyProblem {
   GreySystem rough_system(const GreyState& state, const GreyTerm& term);
 
   /// Each number that is not free, as designed, with the sigma that it would have if its term were
-  /// freed beside those that are: by the noise of pixels alone, with rough slopes. Infinite where
-  /// the pictures do not change with it.
-  /// @param free  slopes by the free numbers at the state
+  /// freed beside those that are: by the noise of pixels alone, with rough derivatives. Infinite
+  /// where the pictures do not change with it.
+  /// @param free  derivatives by the free numbers at the state
   /// @param left  of the real grey values at the state
   std::vector<GreyValue> kept_values(const GreyState& state,
                                      const GreySystem& free,
                                      const GreyHalves& left);
 
-  /// Slopes of all grey values by a change of the camera. Costs a rendering.
+  /// Derivatives of all grey values by a change of the camera. Costs a rendering.
   /// @param step  that the change is
-  GreyHalves camera_slope(const GreyState& state, const CameraChange& change, double step);
+  GreyHalves camera_derivative(const GreyState& state, const CameraChange& change, double step);
 
   /// A number of the state; changes from 0, exposure from 1.
   double& number(GreyState& state, const GreyNumber& number) const;
@@ -140,10 +140,10 @@ class GreyProblem {
   int size_of(const GreyTerm& term) const;
   void add_term(const GreyState& state, const GreyTerm& term, GreySystem& system);
   GreyHalves column(const GreyState& state, const GreyNumber& number);
-  GreyHalves slope(const GreyState& state, const GreyNumber& number);
+  GreyHalves derivative(const GreyState& state, const GreyNumber& number);
 
   GreyModel model_;
-  std::map<GreyTerm, std::vector<GreyHalves>> rough_;  ///< slopes at the start, unexposed
+  std::map<GreyTerm, std::vector<GreyHalves>> rough_;  ///< derivatives at the start, unexposed
 };
 
 }  // namespace glint::validate_detail

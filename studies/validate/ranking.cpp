@@ -7,7 +7,7 @@
 namespace glint {
 namespace {
 
-constexpr double kLeastDifference = 0.02;  ///< differences of one view below this share are none
+constexpr double kMinDifference = 0.02;  ///< differences of one view below this share are none
 constexpr double kInterval = 1.96;
 
 using Values = std::map<std::string, double>;
@@ -31,7 +31,7 @@ Estimate difference(const Values& first, const Values& second, double sign, doub
   const double b = mean_of_views(second);
   const double sigma =
       std::max(error / std::sqrt(std::max<double>(1.0, static_cast<double>(list.size()))),
-               kLeastDifference * 0.5 * (std::abs(a) + std::abs(b)) / kInterval);
+               kMinDifference * 0.5 * (std::abs(a) + std::abs(b)) / kInterval);
   const double value = sign * (a - b);
   return {.value = value, .low = value - kInterval * sigma, .high = value + kInterval * sigma};
 }

@@ -225,27 +225,27 @@ SceneChange common_change(const ValidationFindings& findings) {
 
 namespace {
 
-using validate_detail::kLeastBlurPx;
-using validate_detail::kLeastExposure;
-using validate_detail::kLeastLightMm;
-using validate_detail::kLeastPower;
-using validate_detail::kLeastRoughness;
+using validate_detail::kMinBlurPx;
+using validate_detail::kMinExposure;
+using validate_detail::kMinLightMm;
+using validate_detail::kMinPower;
+using validate_detail::kMinRoughness;
 
 constexpr std::array<const char*, 3> kPlaceAxes = {"x_mm", "y_mm", "z_mm"};
 
 double matters_of(GreyFault fault) {
   switch (fault) {
     case GreyFault::kExposure:
-      return kLeastExposure;
+      return kMinExposure;
     case GreyFault::kLightPower:
     case GreyFault::kSegments:
-      return kLeastPower;
+      return kMinPower;
     case GreyFault::kLightPlace:
-      return kLeastLightMm;
+      return kMinLightMm;
     case GreyFault::kRoughness:
       break;
   }
-  return kLeastRoughness;
+  return kMinRoughness;
 }
 
 class UndeterminedSearch {
@@ -330,7 +330,7 @@ std::vector<Undetermined> undetermined_of(const ValidationFindings& findings) {
                       .of = grey.design,
                       .value = "factor",
                       .sigma = std::nullopt,
-                      .matters = kLeastPower});
+                      .matters = kMinPower});
     }
   }
   look_at_part(findings, search);
@@ -339,7 +339,7 @@ std::vector<Undetermined> undetermined_of(const ValidationFindings& findings) {
                     .of = "",
                     .value = "added_px",
                     .sigma = std::nullopt,
-                    .matters = kLeastBlurPx});
+                    .matters = kMinBlurPx});
   }
   return search.found();
 }

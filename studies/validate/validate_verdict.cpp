@@ -17,11 +17,11 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using validate_detail::kLeastBlurPx;
-using validate_detail::kLeastExposure;
-using validate_detail::kLeastLightMm;
-using validate_detail::kLeastPower;
-using validate_detail::kLeastRoughness;
+using validate_detail::kMinBlurPx;
+using validate_detail::kMinExposure;
+using validate_detail::kMinLightMm;
+using validate_detail::kMinPower;
+using validate_detail::kMinRoughness;
 
 constexpr double kSigmas = 4.0;        ///< below that a change of grey values is noise
 constexpr double kBudgetSigmas = 3.0;  ///< of what calibration and placement predict
@@ -181,7 +181,7 @@ class Judge {
 
   void add_segment(const GreyValue& value) {
     const double change = std::abs(value.value - 1.0);
-    if (change < std::max(kLeastPower, kSigmas * value.sigma)) {
+    if (change < std::max(kMinPower, kSigmas * value.sigma)) {
       return;
     }
     add({.name = value.value < kDeadPower ? "dead_segment" : "segment_power",
@@ -192,7 +192,7 @@ class Judge {
 
   void add_roughness(const GreyValue& value) {
     const double change = std::abs(value.value - 1.0);
-    if (change >= std::max(kLeastRoughness, kSigmas * value.sigma)) {
+    if (change >= std::max(kMinRoughness, kSigmas * value.sigma)) {
       add({.name = "roughness",
            .of = "",
            .values = {{.name = "factor", .value = value.value, .sigma = value.sigma}},
@@ -203,7 +203,7 @@ class Judge {
   void add_place(const std::string& light,
                  const Eigen::Vector3d& place,
                  const Eigen::Vector3d& sigma) {
-    if (place.norm() < std::max(kLeastLightMm, kSigmas * sigma.norm())) {
+    if (place.norm() < std::max(kMinLightMm, kSigmas * sigma.norm())) {
       return;
     }
     ToldFault fault = {.name = "light_place",
@@ -225,7 +225,7 @@ class Judge {
       return;
     }
     const double common = cell->change.exposure;
-    if (std::abs(common - 1.0) > kLeastExposure + cell->rounding) {
+    if (std::abs(common - 1.0) > kMinExposure + cell->rounding) {
       add({.name = "exposure",
            .of = "",
            .values = {{.name = "factor", .value = common}},
@@ -251,7 +251,7 @@ class Judge {
             "camera's steps may change its exposure by more than {:.0f} %; whether its lights have "
             "the right power is not known",
             grey.design,
-            100.0 * kMostRounding));
+            100.0 * kMaxRounding));
       }
     }
   }
@@ -261,7 +261,7 @@ class Judge {
       return;
     }
     const double blur = std::sqrt(std::abs(*f_.blur_px2));
-    if (blur > kLeastBlurPx) {
+    if (blur > kMinBlurPx) {
       add({.name = "blur",
            .of = "",
            .values = {{.name = *f_.blur_px2 > 0.0 ? "added_px" : "removed_px", .value = blur}},

@@ -76,7 +76,7 @@ void serve_twin(std::string_view bytes, std::size_t piece) {
 
 void run_scripts(std::string_view bytes, std::size_t piece) {
   glint::TwinController twin(glint::TwinSettings{});
-  glint::LineSplitter lines(glint::ScriptReader::kMostBytes);
+  glint::LineSplitter lines(glint::ScriptReader::kMaxBytes);
   glint::ScriptReader reader;
   in_pieces(bytes, piece, [&](std::string_view part) {
     lines.append(part);

@@ -14,7 +14,7 @@
 namespace glint {
 namespace {
 
-constexpr int kMostSteps = 30;
+constexpr int kMaxSteps = 30;
 constexpr double kExactMm = 1e-9;
 constexpr double kExactRad = 1e-9;
 constexpr double kStartSlack = 0.15;  ///< an arm with deltas reaches where the nominal one does not
@@ -118,7 +118,7 @@ ArmSolutions Arm::inverse(const Eigen::Isometry3d& base_from_flange) const {
 std::optional<JointVector> Arm::refined(const Eigen::Isometry3d& base_from_flange,
                                         const JointVector& start_rad) const {
   JointVector joints_rad = start_rad;
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     const LinkFrames now = frames(joints_rad);
     const JointVector difference = pose_difference(base_from_flange, now[6]);
     if (difference.head<3>().norm() < kExactMm && difference.tail<3>().norm() < kExactRad) {

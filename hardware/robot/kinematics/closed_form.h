@@ -19,14 +19,14 @@ namespace glint {
 /// Up to eight sets of joint angles, each in (-pi, pi], that reach the same pose.
 class ArmSolutions {
  public:
-  static constexpr int kMost = 8;
+  static constexpr int kMax = 8;
 
   void add(const JointVector& joints_rad) {
     joints_rad_[static_cast<std::size_t>(count_)] = joints_rad;
     ++count_;
   }
 
-  bool is_full() const { return count_ == kMost; }
+  bool is_full() const { return count_ == kMax; }
 
   bool empty() const { return count_ == 0; }
 
@@ -39,7 +39,7 @@ class ArmSolutions {
   const JointVector* end() const { return joints_rad_.data() + count_; }
 
  private:
-  std::array<JointVector, kMost> joints_rad_;
+  std::array<JointVector, kMax> joints_rad_;
   int count_ = 0;
 };
 

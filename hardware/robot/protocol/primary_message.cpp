@@ -10,7 +10,7 @@ namespace glint {
 namespace {
 
 constexpr std::int8_t kFromController = -1;
-constexpr std::size_t kMostText = 1000;
+constexpr std::size_t kMaxText = 1000;
 
 bool is_read(PrimaryMessage::Kind kind) {
   using enum PrimaryMessage::Kind;
@@ -19,7 +19,7 @@ bool is_read(PrimaryMessage::Kind kind) {
 
 /// Texts of a peer reach the screen: what is no plain character becomes a question mark.
 std::string plain(std::string_view text) {
-  std::string result(text.substr(0, kMostText));
+  std::string result(text.substr(0, kMaxText));
   std::ranges::replace_if(
       result, [](char c) { return c < 0x20 || c >= 0x7f; }, '?');
   return result;

@@ -12,7 +12,7 @@ namespace glint {
 namespace {
 
 constexpr std::size_t kHeadBytes = 3;
-constexpr std::size_t kMostShown = 255;
+constexpr std::size_t kMaxShown = 255;
 
 void check(bool holds, const std::string& text) {
   if (!holds) {
@@ -107,7 +107,7 @@ std::string recipe_reply(RtdeKind kind, const RecipeReply& reply) {
 std::string text_package(const RtdeText& text) {
   ByteWriter writer;
   for (const std::string& part : {text.message, text.source}) {
-    const std::string_view shown = std::string_view(part).substr(0, kMostShown);
+    const std::string_view shown = std::string_view(part).substr(0, kMaxShown);
     writer.put(static_cast<std::uint8_t>(shown.size()));
     writer.put(shown);
   }

@@ -28,7 +28,7 @@ enum class RtdeKind : std::uint8_t {
 };
 
 /// A controller takes at most so many bytes of names in a recipe.
-inline constexpr std::size_t kMostRecipeBytes = 2048;
+inline constexpr std::size_t kMaxRecipeBytes = 2048;
 
 /// The whole package: length, kind, payload of at most 65,532 bytes.
 std::string rtde_package(RtdeKind kind, std::string_view payload);

@@ -39,7 +39,7 @@ bool set_fault(CableFaults& faults, std::string_view key, double value) {
 }
 
 bool set_word(CableFaults& faults, std::string_view word) {
-  constexpr double kMost = 60000.0;
+  constexpr double kMax = 60000.0;
   const std::size_t sign = word.find('=');
   if (sign == std::string_view::npos) {
     return false;
@@ -47,7 +47,7 @@ bool set_word(CableFaults& faults, std::string_view word) {
   double value = 0.0;
   const char* const end = word.data() + word.size();
   const auto [rest, error] = std::from_chars(word.data() + sign + 1, end, value);
-  return error == std::errc() && rest == end && value >= 0.0 && value <= kMost &&
+  return error == std::errc() && rest == end && value >= 0.0 && value <= kMax &&
          set_fault(faults, word.substr(0, sign), value);
 }
 

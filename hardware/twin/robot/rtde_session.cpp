@@ -9,7 +9,7 @@
 namespace glint {
 namespace {
 
-constexpr std::size_t kMostInputRecipes = 20;
+constexpr std::size_t kMaxInputRecipes = 20;
 constexpr std::uint16_t kVersion = 2;
 
 std::string warning(const std::string& text) {
@@ -62,7 +62,7 @@ std::string RtdeSession::reply_to(const FrameSplitter::Frame& frame) {
 std::string RtdeSession::set_up_outputs(std::string_view payload) {
   ByteReader reader(payload);
   const double rate_hz = reader.take_double();
-  const std::vector<std::string> names = reader.rest().size() > kMostRecipeBytes
+  const std::vector<std::string> names = reader.rest().size() > kMaxRecipeBytes
                                              ? std::vector<std::string>{}
                                              : split_names(reader.rest());
   has_started_ = false;
@@ -92,7 +92,7 @@ std::string RtdeSession::set_up_outputs(std::string_view payload) {
 
 std::string RtdeSession::set_up_inputs(std::string_view payload) {
   const std::vector<std::string> names =
-      payload.size() > kMostRecipeBytes || inputs_.size() == kMostInputRecipes
+      payload.size() > kMaxRecipeBytes || inputs_.size() == kMaxInputRecipes
           ? std::vector<std::string>{}
           : split_names(payload);
   Inputs inputs = {.names = names, .recipe = {}};

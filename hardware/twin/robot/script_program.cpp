@@ -13,8 +13,8 @@
 namespace glint {
 namespace {
 
-constexpr std::size_t kMostArguments = 8;
-constexpr std::size_t kMostNumbers = 6;
+constexpr std::size_t kMaxArguments = 8;
+constexpr std::size_t kMaxNumbers = 6;
 
 /// A function of the subset and what its first argument must be.
 struct KnownFunction {
@@ -92,7 +92,7 @@ bool take_list(std::string_view text, ScriptArgument& argument) {
   argument.kind = is_pose ? ScriptArgument::Kind::kPose : ScriptArgument::Kind::kList;
   for (const std::string_view part : parts_of(text.substr(head, text.size() - head - 1))) {
     const auto value = number_of(part);
-    if (!value || argument.numbers.size() == kMostNumbers) {
+    if (!value || argument.numbers.size() == kMaxNumbers) {
       return false;
     }
     argument.numbers.push_back(*value);
@@ -219,7 +219,7 @@ ParsedLine parse_statement(std::string_view line) {
   }
   for (const std::string_view part : parts_of(line.substr(open + 1, line.size() - open - 2))) {
     const auto argument = argument_of(part);
-    if (!argument || statement.arguments.size() == kMostArguments) {
+    if (!argument || statement.arguments.size() == kMaxArguments) {
       return {.statement = {}, .error = fmt::format("{}: wrong argument", statement.function)};
     }
     statement.arguments.push_back(*argument);
@@ -278,8 +278,8 @@ std::optional<ScriptReader::Result> ScriptReader::add_line(std::string_view line
     program_ = {.name = "", .is_secondary = false, .statements = {}};
   }
   bytes_ += line.size();
-  if (bytes_ > kMostBytes) {
-    error_ = fmt::format("a program of more than {} bytes", kMostBytes);
+  if (bytes_ > kMaxBytes) {
+    error_ = fmt::format("a program of more than {} bytes", kMaxBytes);
     return finish();
   }
   if (is_inside_ && change_block(text)) {

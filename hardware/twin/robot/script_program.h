@@ -76,7 +76,7 @@ ParsedLine parse_statement(std::string_view line);
 /// Collects lines into programs. Keeps at most 64 kB.
 class ScriptReader {
  public:
-  static constexpr std::size_t kMostBytes = 65536;
+  static constexpr std::size_t kMaxBytes = 65536;
 
   struct Result {
     std::optional<ScriptProgram> program;

@@ -6,10 +6,10 @@
 namespace glint {
 
 bool ScriptThreads::start(const ScriptProgram& program, const ScriptStatement& run) {
-  constexpr std::size_t kMostThreads = 8;
+  constexpr std::size_t kMaxThreads = 8;
   const auto thread =
       std::ranges::find(program.threads, run.arguments.at(0).name, &ScriptThread::name);
-  if (thread == program.threads.end() || running_.size() == kMostThreads) {
+  if (thread == program.threads.end() || running_.size() == kMaxThreads) {
     return false;
   }
   running_.push_back({.variable = run.arguments.at(1).name, .thread = *thread});

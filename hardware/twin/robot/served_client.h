@@ -17,7 +17,7 @@
 namespace glint {
 
 /// A client that lets more than this wait is dropped.
-inline constexpr std::size_t kMostWaitingBytes = 1 << 20;
+inline constexpr std::size_t kMaxWaitingBytes = 1 << 20;
 
 /// One connection: what comes goes to a handler, what is sent waits its turn.
 class ServedClient : public std::enable_shared_from_this<ServedClient> {
@@ -56,7 +56,7 @@ class ServedClient : public std::enable_shared_from_this<ServedClient> {
       return;
     }
     waiting_ += bytes;
-    if (waiting_.size() > kMostWaitingBytes) {
+    if (waiting_.size() > kMaxWaitingBytes) {
       close();
     } else if (sending_.empty()) {
       write();

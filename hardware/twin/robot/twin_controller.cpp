@@ -12,7 +12,7 @@ namespace glint {
 namespace {
 
 constexpr double kStopRadS2 = 20.0;  ///< of stops by safety
-constexpr std::size_t kMostMessages = 100;
+constexpr std::size_t kMaxMessages = 100;
 
 constexpr double kMmPerM = 1000.0;
 
@@ -249,7 +249,7 @@ void TwinController::restart() {
 }
 
 void TwinController::tell(PrimaryMessage::Kind kind, const std::string& text) {
-  if (messages_.size() < kMostMessages) {
+  if (messages_.size() < kMaxMessages) {
     messages_.push_back({.stamp_us = static_cast<std::uint64_t>(1e6 * controller_s_),
                          .kind = kind,
                          .code = 0,

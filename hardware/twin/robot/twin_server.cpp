@@ -28,7 +28,7 @@ using asio::ip::tcp;
 using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostClients = 16;
+constexpr std::size_t kMaxClients = 16;
 constexpr std::size_t kBusyWaiting = 1 << 17;  ///< as fast as possible: cycles pause above it
 
 }  // namespace
@@ -105,7 +105,7 @@ struct TwinServer::Impl {
   void accept_scripts(Port& port) {
     accept(port, [this](Connected&) {
       struct Scripts {
-        LineSplitter lines{ScriptReader::kMostBytes};
+        LineSplitter lines{ScriptReader::kMaxBytes};
         ScriptReader reader;
       };
       auto scripts = std::make_shared<Scripts>();
@@ -153,7 +153,7 @@ struct TwinServer::Impl {
           }
           const std::lock_guard lock(mutex);
           port.drop_closed();
-          if (port.clients.size() < kMostClients) {
+          if (port.clients.size() < kMaxClients) {
             error_code ignored;
             socket.set_option(tcp::no_delay(true), ignored);
             add_client(port, std::move(socket), make_handler);

@@ -64,12 +64,12 @@ std::string plain_number(double value) {
 /// Advice that can be followed: edges can be made some times shorter, not some hundred times, and
 /// no surface is steeper than a right angle.
 std::string what_helps(double facet_rad, double allowed_rad) {
-  constexpr double kMostTimesShorter = 10.0;
+  constexpr double kMaxTimesShorter = 10.0;
   constexpr double kSteepest_rad = 0.5;
   const double times = facet_rad / allowed_rad;
   const double slope_rad = facet_rad / kFacetShare;
   const std::string finer =
-      times <= kMostTimesShorter
+      times <= kMaxTimesShorter
           ? fmt::format(
                 "export the part with edges {:.2g} times shorter (a facet angle below {:.2g} "
                 "deg), use a parametric part",

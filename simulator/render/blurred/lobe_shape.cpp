@@ -19,13 +19,13 @@ double LobeShape::width_along(double per_phi, double per_t) const {
 }
 
 LobeShape lobe_shape(const BlurredPoint& point, double alpha) {
-  constexpr double kLeast = 1e-6;  // of a direction along the tunnel, or of a grazing cosine
+  constexpr double kMin = 1e-6;  // of a direction along the tunnel, or of a grazing cosine
   const Vector3d sum = point.mirrored + point.to_viewer;
-  const double length = std::max(sum.norm(), kLeast);
+  const double length = std::max(sum.norm(), kMin);
   const Vector3d& r = point.mirrored;
   LobeShape shape;
   shape.frame = frame_at(sum / length, Vector3d::UnitX());
-  const double in_plane = std::max(std::hypot(r.y(), r.z()), kLeast);
+  const double in_plane = std::max(std::hypot(r.y(), r.z()), kMin);
   shape.phi0_rad = std::atan2(r.y(), r.z());
   shape.t0 = r.x() / in_plane;
   const Vector3d flat(shape.t0, r.y() / in_plane, r.z() / in_plane);

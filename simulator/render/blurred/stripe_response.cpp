@@ -26,14 +26,14 @@ using Eigen::Vector3d;
 /// Rows of a range that fills half a turn after stretching, of stripes across the tunnel; twice as
 /// many for those along it, which change from row to row.
 constexpr double kRows = 32.0;
-constexpr int kFewestRows = 6;
-constexpr int kMostRows = 64;
+constexpr int kMinRows = 6;
+constexpr int kMaxRows = 64;
 constexpr std::size_t kMaxPlanes = 256;
 
 const Quadrature& row_rule(int count) {
   static const std::vector<Quadrature> rules = [] {
     std::vector<Quadrature> made(1);
-    for (int n = 1; n <= kMostRows; ++n) {
+    for (int n = 1; n <= kMaxRows; ++n) {
       made.push_back(gauss_legendre(n));
     }
     return made;
@@ -153,7 +153,7 @@ void StripeResponse::choose_planes(const BlurredPoint& point,
                              std::atan((ends[i] - shape.phi0_rad) * root);
     const int count =
         static_cast<int>(std::ceil(kRows * (1.0 + std::abs(along_arc_)) * stretched / kPi));
-    add_planes(shape, ends[i], ends[i + 1], std::clamp(count, kFewestRows, kMostRows), planes);
+    add_planes(shape, ends[i], ends[i + 1], std::clamp(count, kMinRows, kMaxRows), planes);
   }
 }
 

@@ -20,7 +20,7 @@ namespace {
 constexpr std::array kChoices = {16, 4, 2};
 
 constexpr int kRowsOfWindow = 3;
-constexpr int kMostRows = 16;
+constexpr int kMaxRows = 16;
 constexpr int kRowStep = 8;
 
 /// Fewer triangles without an exact surface have edges too short to bend that many pixels.
@@ -93,7 +93,7 @@ int affordable_cells(const Part& part,
   }
   const SurfaceDetail none;
   const TraceScene scene(part, bvh, none, settings);
-  const int step = std::max(kRowStep, in.height_px / kMostRows);
+  const int step = std::max(kRowStep, in.height_px / kMaxRows);
   const int rows = std::max(1, in.height_px / step);
   PixelCounts counts = {};
   for (const PixelCounts& row : pool.map<PixelCounts>(rows, [&](std::int64_t i) {

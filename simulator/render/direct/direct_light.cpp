@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 
 /// Longest arc of a panel of a ring or a cap [rad]: its edges' middles then tell of all of it.
 constexpr double kLongestArc_rad = kPi / 2.0;
-constexpr int kMostPlacesOfPanel = 32;
-constexpr std::size_t kMostPanels = 128;
+constexpr int kMaxPlacesOfPanel = 32;
+constexpr std::size_t kMaxPanels = 128;
 /// Panels are cut in halves to this share of their surface at most.
 constexpr float kSmallestHalf = 0.5F / 64.0F;
 /// A rule misses a fiftieth of a panel that the horizon runs through, as a binary logarithm.
@@ -138,7 +138,7 @@ class PanelStack {
 
   void push(const Panel& panel) { panels_[count_++] = panel; }
 
-  std::array<Panel, kMostPanels> panels_;
+  std::array<Panel, kMaxPanels> panels_;
   std::size_t count_ = 0;
 };
 
@@ -151,18 +151,18 @@ struct PlaceCounts {
 };
 
 int places_for(float digits, float log2_rho) {
-  constexpr float kMost = 1000.0F;
+  constexpr float kMax = 1000.0F;
   const float count = digits / (2.0F * std::max(log2_rho, 1e-3F));
-  return static_cast<int>(std::ceil(std::clamp(count, 1.0F, kMost)));
+  return static_cast<int>(std::ceil(std::clamp(count, 1.0F, kMax)));
 }
 
 PlaceCounts counts_of(const PanelSmoothness& smoothness, float log2_tolerance) {
   const float digits = std::log2(smoothness.bound) - log2_tolerance;
   const int s = places_for(digits + kLog2Safety, smoothness.log2_rho_s);
   const int t = places_for(digits + kLog2Safety, smoothness.log2_rho_t);
-  const bool is_too_many = s > kMostPlaces || t > kMostPlaces || s * t > kMostPlacesOfPanel;
-  return {.s = std::min(s, kMostPlaces),
-          .t = std::min(t, kMostPlaces),
+  const bool is_too_many = s > kMaxPlaces || t > kMaxPlaces || s * t > kMaxPlacesOfPanel;
+  return {.s = std::min(s, kMaxPlaces),
+          .t = std::min(t, kMaxPlaces),
           .ask_for_halves = is_too_many || (smoothness.is_cut && digits > kLog2Cut),
           .along_s = s > t};
 }

@@ -159,8 +159,8 @@ std::optional<std::size_t> emitter_before(const Lights& lights,
 
 std::vector<std::uint8_t> hideable_emitters(const Lights& lights, const AlignedBox3d& box_mm) {
   const std::size_t count = lights.emitters.size();
-  std::vector<std::uint8_t> hideable(count, count > kMostPartedEmitters ? 1 : 0);
-  for (std::size_t b = 0; b < count && count <= kMostPartedEmitters; ++b) {
+  std::vector<std::uint8_t> hideable(count, count > kMaxPartedEmitters ? 1 : 0);
+  for (std::size_t b = 0; b < count && count <= kMaxPartedEmitters; ++b) {
     hideable[b] = emitter_before(lights, b, box_mm) ? 1 : 0;
   }
   return hideable;

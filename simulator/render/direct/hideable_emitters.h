@@ -13,11 +13,11 @@
 namespace glint {
 
 /// Of more emitters no pairs are looked at: all count as hideable.
-inline constexpr std::size_t kMostPartedEmitters = 256;
+inline constexpr std::size_t kMaxPartedEmitters = 256;
 
 /// For each emitter 1 where another one might stand between it and some point of a box; 0: none
 /// does. Sure for 0, as each pair is parted by a plane or lies on one cone around the box; on the
-/// safe side for 1. Above kMostPartedEmitters all are 1.
+/// safe side for 1. Above kMaxPartedEmitters all are 1.
 std::vector<std::uint8_t> hideable_emitters(const Lights& lights,
                                             const Eigen::AlignedBox3d& box_mm);
 

@@ -49,10 +49,10 @@ struct Slope {
 
 /// Of the facets that reflect the light of a place to the viewer, in widths alpha.
 Slope slope_of(const PanelView& view, PlaceVector point) {
-  constexpr float kLeast = 0.02F;
+  constexpr float kMin = 0.02F;
   const float per_length = 1.0F / std::sqrt(maximum(dot(point, point), 1e-20F));
   const PlaceVector h = per_length * point + vector_of(view.viewer);
-  const float per_z = 1.0F / maximum(h.z, kLeast);
+  const float per_z = 1.0F / maximum(h.z, kMin);
   return {h.x * per_z / view.alpha_x, h.y * per_z / view.alpha_y};
 }
 

@@ -13,16 +13,16 @@ namespace glint {
 namespace {
 
 struct Rule {
-  float node[kMostPlaces];
-  float weight[kMostPlaces];
+  float node[kMaxPlaces];
+  float weight[kMaxPlaces];
 };
 
-/// Gauss-Legendre rules on [-1, 1] of 1 to kMostPlaces nodes, weights of sum 1.
+/// Gauss-Legendre rules on [-1, 1] of 1 to kMaxPlaces nodes, weights of sum 1.
 struct Rules {
-  Rule of[kMostPlaces + 1];
+  Rule of[kMaxPlaces + 1];
 
   Rules() : of() {
-    for (int n = 1; n <= kMostPlaces; ++n) {
+    for (int n = 1; n <= kMaxPlaces; ++n) {
       fill(n);
     }
   }
@@ -115,7 +115,7 @@ void place_nodes(const LocalEmitter& emitter,
   const Rule& of_s = rule_of(count_s);
   const Rule& of_t = rule_of(count_t);
   const bool is_flat = emitter.kind == LocalEmitter::Kind::kFlat;
-  PlaceVector radial[kMostPlaces] = {};
+  PlaceVector radial[kMaxPlaces] = {};
   for (int j = 0; j < count_t && !is_flat; ++j) {
     radial[j] = radial_at(emitter, panel.t + panel.half_t * of_t.node[j]);
   }

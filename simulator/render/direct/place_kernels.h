@@ -9,7 +9,7 @@
 namespace glint {
 
 /// Places along one coordinate of a panel at most.
-inline constexpr int kMostPlaces = 8;
+inline constexpr int kMaxPlaces = 8;
 
 /// Sixteen places on luminous surfaces.
 struct alignas(64) PlaceLanes {
@@ -21,7 +21,7 @@ struct alignas(64) PlaceLanes {
 };
 
 /// A place for each node of the product rule, from `first` on; s changes slowest.
-/// @param count_s, count_t  in [1, kMostPlaces]
+/// @param count_s, count_t  in [1, kMaxPlaces]
 /// @param places  its element `lane` of packet `packet` is 16 packet + lane
 void place_nodes(const LocalEmitter& emitter,
                  const Panel& panel,

@@ -21,8 +21,8 @@ namespace {
 /// Scans that begin at different phases, so many at least, and so many phases in all. With their
 /// mirror images about the middle of a stripe, which give the same means, four tell the ripple and
 /// two overtones. Stripes with sharp edges, in the first cells, have more overtones.
-constexpr int kFewestScans = 4;
-constexpr int kFewestPhases = 40;
+constexpr int kMinScans = 4;
+constexpr int kMinPhases = 40;
 constexpr int kSharpScans = 8;
 constexpr int kSharpCells = 4;
 
@@ -32,18 +32,18 @@ constexpr double kCellsPerTurn = 20.0;
 
 /// Between the directions of cells, from the nearer axis on.
 constexpr double kDirectionStep_rad = 10.0 * kRadPerDeg;
-constexpr int kMostDirections = 8;
+constexpr int kMaxDirections = 8;
 
 /// Where the ripple moves by fewer periods from pixel to pixel no harmonic near it is aliased.
 constexpr double kAliasedTurns = 0.35;
 
 /// Harmonics of so many periods a pixel are aliased and little: beyond, they count where clipping
 /// mixes them into the ripple, near the number of frames.
-constexpr double kMostPeriods_per_px = 1.5;
-constexpr double kMostTurns = 1.25;
+constexpr double kMaxPeriods_per_px = 1.5;
+constexpr double kMaxTurns = 1.25;
 constexpr int kHarmonicsBeyond = 8;
 
-constexpr int kMostHarmonics = 1024;
+constexpr int kMaxHarmonics = 1024;
 
 /// The ripple counts as the same at the next pixel when it moves by less than this many turns, or
 /// by whole turns and less than so many: what is aliased there swings around them.
@@ -86,7 +86,7 @@ ScanRipple::ScanRipple(const Sensor& sensor, const StripeSettings& stripes)
   offset_ = dark_grey(settings) + linear * stripes.dark;
   floor_ = sensor.blur_is_cut_off() ? dark_grey(settings) : -1.0;
   const int phases = stripes.num_phases();
-  const int scans = std::clamp((kFewestPhases + phases - 1) / phases, kFewestScans, kMostScans);
+  const int scans = std::clamp((kMinPhases + phases - 1) / phases, kMinScans, kMaxScans);
   smooth_ = Scans(scans, phases);
   sharp_ = Scans(std::max(scans, kSharpScans), phases);
   known_ = kept_waves().find(key());
@@ -179,7 +179,7 @@ ScanRipple::Size ScanRipple::at(double gx, double gy) {
 }
 
 const ScanRipple::Wave& ScanRipple::of_cell(int cell, int direction) {
-  const int place = cell * kMostDirections + direction;
+  const int place = cell * kMaxDirections + direction;
   if (known_) {
     if (const auto known = known_->find(place); known != known_->end()) {
       return known->second;
@@ -281,9 +281,9 @@ double ScanRipple::missed_at_kinks() const {
 ScanRipple::Wave ScanRipple::wave_at(double gx, double gy, const Scans& scans) {
   const int phases = stripes_.num_phases();
   const double w = std::sqrt(variance_px2_) * std::hypot(gx, gy);
-  const double steepest = std::max({gx, gy, kMostPeriods_per_px / kMostHarmonics});
-  const int count = std::max(static_cast<int>(kMostPeriods_per_px / steepest),
-                             static_cast<int>(kMostTurns * phases) + kHarmonicsBeyond);
+  const double steepest = std::max({gx, gy, kMaxPeriods_per_px / kMaxHarmonics});
+  const int count = std::max(static_cast<int>(kMaxPeriods_per_px / steepest),
+                             static_cast<int>(kMaxTurns * phases) + kHarmonicsBeyond);
   start(count, terms_);
   transfer(gx, terms_);
   transfer(gy, terms_);

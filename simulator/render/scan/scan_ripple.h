@@ -49,11 +49,11 @@ class ScanRipple {
   bool is_coherent(double gx, double gy) const;
 
  private:
-  static constexpr int kMostScans = 16;
+  static constexpr int kMaxScans = 16;
 
   /// Of a scan's mean as a function of the phase at which it begins, as shares of their mean.
   struct Wave {
-    std::array<double, kMostScans - 1> amplitudes = {};  ///< of its cosines
+    std::array<double, kMaxScans - 1> amplitudes = {};  ///< of its cosines
     double bias = 0.0;
   };
 

@@ -62,7 +62,7 @@ struct FoundCause {
 };
 
 /// Share of the edges that one set of changes must explain; with less none is told.
-inline constexpr double kLeastAgreeing = 0.5;
+inline constexpr double kMinAgreeing = 0.5;
 
 struct CauseFit {
   std::vector<FoundCause> causes;  ///< the largest share first; empty: nothing beyond noise
@@ -87,7 +87,7 @@ CauseFit fit_causes(std::span<const SpaceEdge> edges,
                     const PinholeIntrinsics& camera,
                     const Eigen::Vector3d& middle_mm,
                     bool is_lens_known = false,
-                    double least_agreeing = kLeastAgreeing,
+                    double least_agreeing = kMinAgreeing,
                     const CauseVector& about = {});
 
 /// Where a point would appear after the changes. @param point_mm  in the camera's frame, z > 0

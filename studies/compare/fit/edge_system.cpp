@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 constexpr double kPrice = 14.0;  ///< of a parameter, in squared standard deviations
 /// What a parameter must explain of the misfit: the model of edges is not better than that where
 /// they have moved far.
-constexpr double kLeastSquares = 0.001;
+constexpr double kMinSquares = 0.001;
 constexpr double kOutlierSigmas = 4.0;
 constexpr double kAgreeingPx = 2.0;
 constexpr int kMaxLag = 40;     ///< of neighbours whose noise may be alike
@@ -138,7 +138,7 @@ bool EdgeSystem::are_separable(std::span<const std::size_t> chosen) const {
 
 std::vector<std::size_t> EdgeSystem::best_set() const {
   const double price =
-      std::max(kPrice * alike_ * noise_px_ * noise_px_, kLeastSquares * right_squares_);
+      std::max(kPrice * alike_ * noise_px_ * noise_px_, kMinSquares * right_squares_);
   std::vector<std::size_t> best;
   double best_cost = std::numeric_limits<double>::infinity();
   for (unsigned set = 0; set < (1U << parameters_); ++set) {

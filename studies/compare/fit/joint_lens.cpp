@@ -52,10 +52,10 @@ void add_edges(const LensView& view,
                LensChange& lens,
                ceres::Problem& problem) {
   constexpr double kOutlier = 2.0;  ///< in units of noise
-  constexpr double kLeastNoise_px = 0.01;
+  constexpr double kMinNoise_px = 0.01;
   for (const SpaceEdge& edge : view.edges) {
     compare_detail::EdgeCost cost = compare_detail::cost_of(camera, view.middle_mm, edge);
-    cost.root_weight = 1.0 / std::max(view.noise_px, kLeastNoise_px);
+    cost.root_weight = 1.0 / std::max(view.noise_px, kMinNoise_px);
     problem.AddResidualBlock(new JointCostFunction(new JointEdgeCost{cost}),
                              new ceres::HuberLoss(kOutlier),
                              pose.data(),

@@ -20,11 +20,11 @@ using Eigen::Vector3d;
 
 constexpr double kEqualAngles_rad = 1.0 * kRadPerDeg;
 constexpr double kRestAngle_rad = 2.0 * kRadPerDeg;  ///< rms; pixels at its rim mix other normals
-constexpr double kLeastStep_rad = 2.0 * kRadPerDeg;
-constexpr double kLeastAcross = 0.1;  ///< of a normal square to the axis: a flatter cone is a plane
+constexpr double kMinStep_rad = 2.0 * kRadPerDeg;
+constexpr double kMinAcross = 0.1;  ///< of a normal square to the axis: a flatter cone is a plane
 constexpr double kRadiusShare = 0.02;
 constexpr double kWidest = 2.0;  ///< of a facet's share; a cone is wider at its foot
-constexpr std::size_t kLeastFacets = 4;
+constexpr std::size_t kMinFacets = 4;
 
 Vector3d across(const RoundShape& shape, const Vector3d& normal) {
   return normal - shape.axis.dot(normal) * shape.axis;
@@ -49,8 +49,8 @@ std::optional<RoundShape> shape_of(const FlatPiece& first,
   shape.along = shape.axis.dot(second.normal);
   shape.step_rad = turn_rad(shape, first.normal, second.normal);
   const double next_rad = turn_rad(shape, second.normal, third.normal);
-  if (across(shape, second.normal).norm() < kLeastAcross || shape.step_rad < kLeastStep_rad ||
-      shape.step_rad > kMostFacetStep_rad ||
+  if (across(shape, second.normal).norm() < kMinAcross || shape.step_rad < kMinStep_rad ||
+      shape.step_rad > kMaxFacetStep_rad ||
       std::abs(next_rad - shape.step_rad) > kEqualAngles_rad) {
     return std::nullopt;
   }
@@ -81,7 +81,7 @@ class Fan {
     const FlatPiece& piece = pieces_[index];
     const Vector3d outward = across(shape_, piece.normal);
     if (std::abs(shape_.axis.dot(piece.normal) - shape_.along) > kEqualAngles_rad ||
-        outward.norm() < kLeastAcross) {
+        outward.norm() < kMinAcross) {
       return false;
     }
     const double distance_mm = piece.normal.dot(piece.middle_mm - shape_.centre_mm);
@@ -151,7 +151,7 @@ class FanFinder {
             double pixel_mm)
       : pieces_(pieces), pixel_mm_(pixel_mm), beside_(pieces.size()) {
     for (const auto& [one, other] : neighbours) {
-      if (pieces[one].normal.dot(pieces[other].normal) > std::cos(kMostFacetStep_rad)) {
+      if (pieces[one].normal.dot(pieces[other].normal) > std::cos(kMaxFacetStep_rad)) {
         beside_[one].push_back(other);
         beside_[other].push_back(one);
       }
@@ -183,7 +183,7 @@ class FanFinder {
         if (fan.is_facet(middle)) {
           fan.grow(middle, beside_);
         }
-        if (fan.facets() >= kLeastFacets) {
+        if (fan.facets() >= kMinFacets) {
           return fan.found();
         }
       }
@@ -207,8 +207,7 @@ class FanFinder {
 }  // namespace
 
 double RoundShape::radius_mm() const {
-  return std::abs(distance_mm) /
-         std::sqrt(std::max(1.0 - along * along, kLeastAcross * kLeastAcross));
+  return std::abs(distance_mm) / std::sqrt(std::max(1.0 - along * along, kMinAcross * kMinAcross));
 }
 
 bool RoundShape::holds(std::span<const PointWithNormal> points, double pixel_mm) const {

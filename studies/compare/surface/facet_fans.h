@@ -46,7 +46,7 @@ struct FacetFan {
 };
 
 /// Beyond it neighbours are sides of a prism: 12 facets around have 30 degrees, 10 have 36.
-inline constexpr double kMostFacetStep_rad = 0.5585;  // 32 deg
+inline constexpr double kMaxFacetStep_rad = 0.5585;  // 32 deg
 
 /// Fans of at least four facets: neighbours are turned about one common axis by equal angles (to 1
 /// degree) of at most 32 degrees, have one angle to it, and touch one cylinder or cone about it;

@@ -20,13 +20,13 @@ using compare_detail::Piece;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLeastBend = 0.1305;  ///< half of the change of a unit normal: 15 deg
+constexpr double kMinBend = 0.1305;  ///< half of the change of a unit normal: 15 deg
 constexpr double kSurelyBend =
     0.5;                           ///< no limb of a ball of more than four pixels bends so: 60 deg
 constexpr double kSharp_px = 8.0;  ///< radius below which a bend is an edge
-constexpr double kLeastFacetBend = 0.1219;  ///< between flat pieces: 14 deg
-constexpr double kFlatShare = 0.1;  ///< of a bend, by which the surface turns beside an edge
-constexpr std::size_t kLeastPixels = 100;
+constexpr double kMinFacetBend = 0.1219;  ///< between flat pieces: 14 deg
+constexpr double kFlatShare = 0.1;        ///< of a bend, by which the surface turns beside an edge
+constexpr std::size_t kMinPixels = 100;
 constexpr std::size_t kShapePoints = 2000;
 constexpr int kGrown_px = 3;  ///< over the pixels of an edge, which mix two surfaces
 
@@ -84,9 +84,9 @@ class SurfaceFinder {
     }
     // Foreshortening leads a long way from one pixel to the next: there a bend is an edge where the
     // surface is flat on both sides of it.
-    return bend > kLeastBend && (step.norm() < 2.0 * bend * kSharp_px * pixel ||
-                                 (is_flat(2 * x0 - x1, 2 * y0 - y1, x0, y0, bend) &&
-                                  is_flat(x1, y1, 2 * x1 - x0, 2 * y1 - y0, bend)));
+    return bend > kMinBend && (step.norm() < 2.0 * bend * kSharp_px * pixel ||
+                               (is_flat(2 * x0 - x1, 2 * y0 - y1, x0, y0, bend) &&
+                                is_flat(x1, y1, 2 * x1 - x0, 2 * y1 - y0, bend)));
   }
 
   /// Whether the surface bends hardly at all from one pixel to another, beside so much elsewhere;
@@ -107,7 +107,7 @@ class SurfaceFinder {
       return false;
     }
     const double bend = 0.5 * (surface_.normal(x1, y1) - surface_.normal(x0, y0)).norm();
-    return bend > kLeastFacetBend && is_flat(x0 - 2 * dx, y0 - 2 * dy, x0, y0, bend) &&
+    return bend > kMinFacetBend && is_flat(x0 - 2 * dx, y0 - 2 * dy, x0, y0, bend) &&
            is_flat(x1, y1, x1 + 2 * dx, y1 + 2 * dy, bend);
   }
 
@@ -133,7 +133,7 @@ class SurfaceFinder {
           continue;
         }
         std::vector<std::pair<int, int>> piece = flooded(x, y);
-        if (piece.size() >= kLeastPixels) {
+        if (piece.size() >= kMinPixels) {
           pieces.push_back({.pixels = std::move(piece)});
         }
       }

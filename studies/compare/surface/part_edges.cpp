@@ -16,8 +16,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kLeastPoints = 20;
-constexpr std::size_t kMostEdges = 40;
+constexpr std::size_t kMinPoints = 20;
+constexpr std::size_t kMaxEdges = 40;
 
 /// The rough boundary that a located piece was found at.
 std::size_t nearest_boundary(std::span<const Boundary> rough, const Boundary& piece) {
@@ -37,12 +37,12 @@ std::size_t nearest_boundary(std::span<const Boundary> rough, const Boundary& pi
 }
 
 constexpr std::size_t kBlock = 10;  ///< neighbours whose errors may be alike
-constexpr std::size_t kLeastBlocks = 4;
+constexpr std::size_t kMinBlocks = 4;
 
 /// Standard deviation of the mean offset, by the means of whole blocks of neighbours.
 double sigma_by_blocks(std::span<const BoundaryGap* const> gaps) {
   const std::size_t blocks = gaps.size() / kBlock;
-  if (blocks < kLeastBlocks) {
+  if (blocks < kMinBlocks) {
     return 0.0;
   }
   Eigen::VectorXd means = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(blocks));
@@ -106,11 +106,11 @@ std::vector<std::size_t> rough_of_pieces(std::span<const Boundary> rough,
 
 ListedEdges list_edges(std::vector<PartEdge> edges, std::size_t outline_points) {
   const std::size_t count = edges.size();
-  std::erase_if(edges, [](const PartEdge& edge) { return edge.points < kLeastPoints; });
+  std::erase_if(edges, [](const PartEdge& edge) { return edge.points < kMinPoints; });
   std::ranges::stable_sort(edges, std::greater<>(), [](const PartEdge& edge) {
     return std::pair(is_of_outline(edge), edge.points);
   });
-  edges.resize(std::min(edges.size(), kMostEdges));
+  edges.resize(std::min(edges.size(), kMaxEdges));
   std::ranges::stable_sort(edges, std::greater<>(), &PartEdge::points);
   std::map<std::string, int> numbers;
   std::size_t listed_points = 0;

@@ -60,14 +60,14 @@ std::optional<Vector3d> SimulatedSurface::at_edge(const PinholeCamera& camera,
                                                   const Vector2d& at_px,
                                                   const Vector2d& normal) const {
   constexpr double kNear_px = 2.0;
-  constexpr double kMostBend = 0.02;  ///< of the depth, from within to the edge
+  constexpr double kMaxBend = 0.02;  ///< of the depth, from within to the edge
   double nearest = 0.0;
   for (const double side : {-1.0, 1.0}) {
     const Vector2d step = side * kNear_px * normal;
     const double first = inverse_depth(at_px + step);
     const double second = inverse_depth(at_px + 2.0 * step);
     const double slope = second > 0.0 ? first - second : 0.0;
-    const bool is_bent = std::abs(slope) > kMostBend * first;
+    const bool is_bent = std::abs(slope) > kMaxBend * first;
     nearest = std::max(nearest, first > 0.0 && !is_bent ? first + slope : first);
   }
   const auto ray = camera.ray_through(at_px);

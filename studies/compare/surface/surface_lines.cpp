@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kBeside_px = 2.0;  ///< from a line, where the other surface is looked for
-constexpr std::size_t kLeastLine = 8;
+constexpr std::size_t kMinLine = 8;
 
 /// Columns and rows [x0, x1) x [y0, y1).
 struct Window {
@@ -201,7 +201,7 @@ void add_lines(const NamedSurfaces& surfaces,
                std::vector<SurfaceLine>& lines) {
   SurfaceLine line = {.from = from};
   const auto finish = [&] {
-    if (line.line.points.size() >= kLeastLine) {
+    if (line.line.points.size() >= kMinLine) {
       lines.push_back(line);
     }
     line.line.points.clear();

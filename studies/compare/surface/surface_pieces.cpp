@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kAcrossEdge_px = 6;  ///< both sides of an edge, up to four pixels of which are marked
-constexpr int kFewestAcross =
+constexpr int kMinAcross =
     5;  ///< looks across an edge that two facets have in common, some per row
 constexpr std::size_t kFacetPoints = 200;
 constexpr double kFlat = 0.035;      ///< rms of a facet's normals about their mean, 2 deg
@@ -37,7 +37,7 @@ class FacetJoiner {
     for (const auto& [labels, count] : joined_labels()) {
       const auto one = flat.of_label.find(labels.first);
       const auto other = flat.of_label.find(labels.second);
-      if (count >= kFewestAcross && one != flat.of_label.end() && other != flat.of_label.end()) {
+      if (count >= kMinAcross && one != flat.of_label.end() && other != flat.of_label.end()) {
         neighbours.emplace_back(one->second, other->second);
       }
     }
@@ -149,7 +149,7 @@ class FacetJoiner {
       }
     };
     for (const auto& [labels, count] : joined_labels()) {
-      if (count >= kFewestAcross) {
+      if (count >= kMinAcross) {
         join(labels.first, labels.second);
         join(labels.second, labels.first);
       }

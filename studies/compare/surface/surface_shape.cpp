@@ -25,7 +25,7 @@ constexpr double kOneDirection = 0.035;  ///< rms of the normals of a plane abou
 constexpr double kAlongAxis = 0.9994;    ///< cosine: 2 deg
 constexpr double kOneAngle = 0.03;       ///< rms of the normals' cosines with an axis
 constexpr double kSquare = 0.1;          ///< their mean, of a cylinder
-constexpr double kLeastShare = 0.02;     ///< of the radius, left as an rms
+constexpr double kMinShare = 0.02;       ///< of the radius, left as an rms
 
 /// "+z" or "-x", or nothing for directions between the axes.
 std::optional<std::string> axis_name(const Vector3d& direction) {
@@ -116,7 +116,7 @@ RadiusFit fit_facets(std::span<const PointWithNormal> points, const MatrixXd& ac
 }
 
 bool is_good(const RadiusFit& fit, double pixel_mm) {
-  return fit.rms_mm < pixel_mm + kLeastShare * std::abs(fit.radius_mm);
+  return fit.rms_mm < pixel_mm + kMinShare * std::abs(fit.radius_mm);
 }
 
 std::string about(const Vector3d& axis, const char* word) {

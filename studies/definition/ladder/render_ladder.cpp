@@ -23,7 +23,7 @@ constexpr const char* kHalfLevel = "half resolution";
 constexpr int kFootprintGroup = 0;  ///< of what is not path tracing, whose groups are reflections
 constexpr int kHalfGroup = -1;
 constexpr int kHalf = 2;
-constexpr int kFewestSide_px = 64;  ///< of a picture that half resolution leaves something of
+constexpr int kMinSide_px = 64;  ///< of a picture that half resolution leaves something of
 
 /// Values of an upper limit: the steps below it and the limit itself.
 std::vector<int> steps_to(int first, int limit) {
@@ -145,11 +145,11 @@ class RungList {
     }
   }
 
-  static constexpr int kFewestSamples = 8;
+  static constexpr int kMinSamples = 8;
 
   /// So that a step of at most half of the most is there: it tells how far the most are off.
   static int fewest_samples(int most) {
-    int fewest = kFewestSamples;
+    int fewest = kMinSamples;
     while (fewest > 1 && 2 * fewest > most) {
       fewest /= 2;
     }
@@ -158,7 +158,7 @@ class RungList {
 
   void add_paths() {
     const int most = kept_.samples ? scene_.paths.samples : top_.paths.samples;
-    const int fewest = kept_.samples ? std::min(kFewestSamples, most) : fewest_samples(most);
+    const int fewest = kept_.samples ? std::min(kMinSamples, most) : fewest_samples(most);
     const std::vector<int> reflections = steps_to(1, scene_.paths.max_reflections);
     for (const int number : reflections) {
       SceneSettings scene = scene_;
@@ -178,12 +178,12 @@ class RungList {
   void add_half_resolution() {
     const CameraSettings& camera = scene_.camera;
     if (kept_.resolution || scene_.reference ||
-        std::min(camera.width_px, camera.height_px) < kFewestSide_px) {
+        std::min(camera.width_px, camera.height_px) < kMinSide_px) {
       return;
     }
     const int most = kept_.samples ? scene_.paths.samples : top_.paths.samples;
     SceneSettings half = with_larger_pixels(scene_, kHalf);
-    for (int samples = kFewestSamples; samples <= most; samples *= 4) {
+    for (int samples = kMinSamples; samples <= most; samples *= 4) {
       half.paths.samples = samples;
       add(half, kHalfGroup);
       RenderRung& rung = rungs_.back();

@@ -18,8 +18,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMostOfPart = 0.002;
-constexpr double kMostOfDefects = 0.02;
+constexpr double kMaxOfPart = 0.002;
+constexpr double kMaxOfDefects = 0.02;
 
 Vector3d vector_at(const RayCache::Floats& x,
                    const RayCache::Floats& y,
@@ -127,11 +127,11 @@ void check_no_light_returns(const RayCache& cache,
   const auto of_rays = static_cast<double>(cache.counts.followed + cache.counts.blocked) /
                        static_cast<double>(std::max<std::int64_t>(1, cache.counts.part));
   const double of_part = std::max(of_rays, returning_share(cache, all, bvh, camera_in_world_mm));
-  if (of_part > kMostOfPart) {
+  if (of_part > kMaxOfPart) {
     fail("part", of_part);
   }
   const double of_defects = returning_share(cache, defects, bvh, camera_in_world_mm);
-  if (of_defects > kMostOfDefects) {
+  if (of_defects > kMaxOfDefects) {
     fail("defects", of_defects);
   }
 }

@@ -14,8 +14,8 @@ int brightness_octave(const SensorSettings& sensor, std::span<const std::vector<
     }
   }
   const double brightness = sensor.exposure * sensor.gain * brightest;
-  constexpr double kMost = 30.0;
-  return brightness > 1.0 ? static_cast<int>(std::min(kMost, std::ceil(std::log2(brightness)))) : 0;
+  constexpr double kMax = 30.0;
+  return brightness > 1.0 ? static_cast<int>(std::min(kMax, std::ceil(std::log2(brightness)))) : 0;
 }
 
 DirectSettings direct_settings(const RenderSettings& render, int octave) {

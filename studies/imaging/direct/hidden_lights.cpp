@@ -43,14 +43,14 @@ Problem too_many_emitters(const Lights& lights) {
                               "most; allowed are fewer pieces, or render.method = \"paths\"",
                               most->second,
                               lights.emitters.size(),
-                              kMostPartedEmitters)};
+                              kMaxPartedEmitters)};
 }
 
 }  // namespace
 
 std::optional<Problem> hidden_lights_problem(const PhysicalScene& scene) {
   const Lights& lights = scene.lights;
-  if (lights.emitters.size() > kMostPartedEmitters) {
+  if (lights.emitters.size() > kMaxPartedEmitters) {
     return too_many_emitters(lights);
   }
   const Eigen::AlignedBox3d box_mm = box_of(scene.part.mesh);

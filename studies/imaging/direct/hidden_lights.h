@@ -13,7 +13,7 @@ namespace glint {
 
 /// With the key "lighting.<name>" of a light that another one, or another part of it, might hide
 /// from some point of the part's bounding box; on the safe side (hideable_emitters.h). More than
-/// kMostPartedEmitters are refused as well.
+/// kMaxPartedEmitters are refused as well.
 std::optional<Problem> hidden_lights_problem(const PhysicalScene& scene);
 
 /// @throws ConfigError  hidden_lights_problem()

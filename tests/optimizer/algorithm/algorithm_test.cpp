@@ -37,7 +37,7 @@ double told_merit(const SearchSpace& space, const Point& point, int n) {
   return value + test::noise(n);
 }
 
-/// The merit with the exact slopes of told_merit() without its noise.
+/// The merit with the exact derivatives of told_merit() without its noise.
 Answer told_answer(const SearchSpace& space,
                    const Point& point,
                    double merit,

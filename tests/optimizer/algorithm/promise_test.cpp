@@ -42,34 +42,35 @@ struct Models {
   const Encoding& encoding() const { return models.front().encoding(); }
 };
 
-void expect_true_slopes(const Promise& promise, const Models& given) {
+void expect_true_derivatives(const Promise& promise, const Models& given) {
   const Eigen::MatrixXd rows =
       given.encoding().rows(std::vector<Point>{{0.31, 0.42, 0.63}, {0.72, 0.55, 0.18}});
-  Eigen::MatrixXd slopes;
+  Eigen::MatrixXd derivatives;
   const Eigen::MatrixXd no_shifts(rows.rows(), 0);
-  const Eigen::VectorXd scores = promise.scores(rows, no_shifts, slopes);
+  const Eigen::VectorXd scores = promise.scores(rows, no_shifts, derivatives);
   EXPECT_TRUE(scores.isApprox(promise.scores(rows), 1e-12));
   constexpr double kStep = 1e-5;
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    for (Eigen::Index c = 0; c < slopes.cols(); ++c) {
+    for (Eigen::Index c = 0; c < derivatives.cols(); ++c) {
       Eigen::MatrixXd above = rows;
       Eigen::MatrixXd below = rows;
       above(i, c) += kStep;
       below(i, c) -= kStep;
-      const double slope = (promise.scores(above)[i] - promise.scores(below)[i]) / (2.0 * kStep);
+      const double derivative =
+          (promise.scores(above)[i] - promise.scores(below)[i]) / (2.0 * kStep);
       // Far tails follow series that are cut after a few terms.
-      EXPECT_NEAR(slopes(i, c), slope, 0.01 * (1.0 + std::abs(slope)));
+      EXPECT_NEAR(derivatives(i, c), derivative, 0.01 * (1.0 + std::abs(derivative)));
     }
   }
 }
 
-TEST(Promise, ItsSlopesAreThoseOfItsScores) {
+TEST(Promise, ItsDerivativesAreThoseOfItsScores) {
   const Models one(1);
-  expect_true_slopes(Promise(one.models, {}), one);
+  expect_true_derivatives(Promise(one.models, {}), one);
   const Models two(2);
-  expect_true_slopes(Promise(two.models, {3.0, 3.0}), two);
+  expect_true_derivatives(Promise(two.models, {3.0, 3.0}), two);
   const Models hopeless(2, -1.0);  // no design keeps the limit: its probability counts alone
-  expect_true_slopes(Promise(hopeless.models, {3.0, 3.0}), hopeless);
+  expect_true_derivatives(Promise(hopeless.models, {3.0, 3.0}), hopeless);
 }
 
 TEST(Promise, KnowsTheExpectedFrontOfFeasibleDesigns) {

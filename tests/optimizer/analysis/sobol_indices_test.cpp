@@ -45,18 +45,18 @@ TEST(SobolIndices, OfIshigamisFunction) {
 }
 
 TEST(SobolIndices, OfAnAdditiveFunctionWithADeadVariable) {
-  constexpr std::array<double, 4> kSlopes = {3.0, 2.0, 1.0, 0.0};
+  constexpr std::array<double, 4> kDerivatives = {3.0, 2.0, 1.0, 0.0};
   const auto function = [&](std::span<const double> unit) {
     double sum = 100.0;  // an offset explains nothing
     for (std::size_t i = 0; i < unit.size(); ++i) {
-      sum += kSlopes[i] * unit[i];
+      sum += kDerivatives[i] * unit[i];
     }
     return sum;
   };
   const auto indices = sobol_indices(function, 4);
   for (std::size_t i = 0; i < indices.size(); ++i) {
     SCOPED_TRACE(i);
-    const double share = kSlopes[i] * kSlopes[i] / 14.0;
+    const double share = kDerivatives[i] * kDerivatives[i] / 14.0;
     expect_within(indices[i].first, share);
     expect_within(indices[i].total, share);
   }

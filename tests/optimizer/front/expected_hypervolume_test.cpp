@@ -88,7 +88,7 @@ TEST(ExpectedHypervolume, OfAnUncertainDesignIsTheMeanOverItsDraws) {
   }
 }
 
-TEST(ExpectedHypervolume, ItsSlopesAreThoseOfItsValue) {
+TEST(ExpectedHypervolume, ItsDerivativesAreThoseOfItsValue) {
   for (const std::size_t m : {1U, 2U, 3U, 4U}) {
     Rng rng(7, Stream::kTest, m);
     const ExpectedHypervolume expected(some_front(m, 9, rng), Row(m, 1.1));
@@ -97,7 +97,7 @@ TEST(ExpectedHypervolume, ItsSlopesAreThoseOfItsValue) {
     const ExpectedHypervolume::Gain gain = expected.gain(means, sigmas);
     EXPECT_DOUBLE_EQ(gain.value, expected.value(means, sigmas));
     constexpr double kStep = 1e-6;
-    const auto slope = [&](double& coordinate) {
+    const auto derivative = [&](double& coordinate) {
       const double at = coordinate;
       coordinate = at + kStep;
       const double above = expected.value(means, sigmas);
@@ -107,8 +107,8 @@ TEST(ExpectedHypervolume, ItsSlopesAreThoseOfItsValue) {
       return (above - below) / (2.0 * kStep);
     };
     for (std::size_t k = 0; k < m; ++k) {
-      EXPECT_NEAR(gain.by_mean[k], slope(means[k]), 1e-7);
-      EXPECT_NEAR(gain.by_sigma[k], slope(sigmas[k]), 1e-7);
+      EXPECT_NEAR(gain.by_mean[k], derivative(means[k]), 1e-7);
+      EXPECT_NEAR(gain.by_sigma[k], derivative(sigmas[k]), 1e-7);
     }
   }
 }

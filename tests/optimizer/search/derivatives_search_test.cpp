@@ -24,15 +24,15 @@ Outcome valley(const Point& p, int /*trial*/) {
   Outcome outcome;
   double loss = 0.0;
   double sum = 0.0;
-  std::vector<double> slopes;
+  std::vector<double> derivatives;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double x = p[i] - 0.35 - 0.05 * static_cast<double>(i);
     loss += x * x + 0.3 * std::sin(4.0 * x) * x;
-    slopes.push_back(2.0 * x + 0.3 * std::sin(4.0 * x) + 1.2 * std::cos(4.0 * x) * x);
+    derivatives.push_back(2.0 * x + 0.3 * std::sin(4.0 * x) + 1.2 * std::cos(4.0 * x) * x);
     sum += p[i];
   }
   outcome.scores = {{"loss", loss}, {"sum", sum}};
-  outcome.gradients = {{"loss", slopes}, {"sum", std::vector<double>(p.size(), 1.0)}};
+  outcome.gradients = {{"loss", derivatives}, {"sum", std::vector<double>(p.size(), 1.0)}};
   return outcome;
 }
 

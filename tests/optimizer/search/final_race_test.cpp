@@ -18,7 +18,7 @@
 namespace glint {
 namespace {
 
-const Goal kMostGain = {.objective = {.name = "gain"}};
+const Goal kMaxGain = {.objective = {.name = "gain"}};
 const Goal kBounded = {.objective = {.name = "gain"},
                        .constraints = {{.name = "size", .min = {}, .max = 1.0}}};
 
@@ -59,7 +59,7 @@ class FinalRaceTest : public testing::Test {
 
 TEST_F(FinalRaceTest, TheBestByFreshNumbersWinsAndWhoTrailsIsGivenUp) {
   NoisyBench bench{.truth = {{1, 9.0}, {2, 10.0}, {3, 2.0}}};
-  const FinalRace found = race(kMostGain, {trial_of(1), trial_of(2), trial_of(3)}, bench);
+  const FinalRace found = race(kMaxGain, {trial_of(1), trial_of(2), trial_of(3)}, bench);
   EXPECT_EQ(found.best, 1U);
   EXPECT_GT(found.racers[1].probability, 0.98);
   EXPECT_EQ(found.racers[1].replicates.size(), static_cast<std::size_t>(kAllReplicates));
@@ -81,7 +81,7 @@ TEST_F(FinalRaceTest, ADesignOutsideALimitIsNotTheBest) {
 TEST_F(FinalRaceTest, TheWinnerIsATrialWhateverItIsComparedWith) {
   NoisyBench bench{.truth = {{0, 20.0}, {1, 9.0}, {2, 9.5}}};
   const Entrant prototype = {.key = "half"};
-  const FinalRace found = race(kMostGain, {trial_of(1), trial_of(2), prototype}, bench);
+  const FinalRace found = race(kMaxGain, {trial_of(1), trial_of(2), prototype}, bench);
   EXPECT_EQ(found.best, 1U);
   EXPECT_FALSE(found.racers[1].is_given_up);
   EXPECT_GT(found.racers[2].probability, 0.99);
@@ -99,7 +99,7 @@ TEST_F(FinalRaceTest, OneThatCannotBeEvaluatedIsOutAndIsNotTriedAgain) {
   Storage storage = Storage::open(folder_ / "s.sqlite", test::identity());
   const std::vector<Entrant> entrants = {trial_of(2), trial_of(1)};
   for (int i = 0; i < 2; ++i) {
-    const auto found = run_final_race(kMostGain, entrants, storage, evaluate);
+    const auto found = run_final_race(kMaxGain, entrants, storage, evaluate);
     EXPECT_EQ(found->best, 1U);
     EXPECT_TRUE(found->racers[0].is_given_up);
     EXPECT_NEAR(found->racers[1].probability, 1.0, 1e-9);
@@ -112,7 +112,7 @@ TEST_F(FinalRaceTest, ThatIsCutShortGoesOnWithoutEvaluatingTwice) {
   const std::vector<Entrant> entrants = {trial_of(1), trial_of(2), trial_of(3), {.key = "half"}};
   const NoisyBench bench{.truth = {{0, 9.3}, {1, 9.0}, {2, 9.2}, {3, 4.0}}};
   NoisyBench whole_bench = bench;
-  const FinalRace whole = race(kMostGain, entrants, whole_bench);
+  const FinalRace whole = race(kMaxGain, entrants, whole_bench);
   for (int stop = 1; stop < whole.evaluations; ++stop) {
     const TemporaryFolder folder;
     Storage storage = Storage::open(folder / "s.sqlite", test::identity());
@@ -123,8 +123,8 @@ TEST_F(FinalRaceTest, ThatIsCutShortGoesOnWithoutEvaluatingTwice) {
       interrupt = part.evaluated == stop ? 1 : 0;
       return scores;
     };
-    EXPECT_FALSE(run_final_race(kMostGain, entrants, storage, stopping, &interrupt));
-    const auto rest = run_final_race(kMostGain, entrants, storage, std::ref(part));
+    EXPECT_FALSE(run_final_race(kMaxGain, entrants, storage, stopping, &interrupt));
+    const auto rest = run_final_race(kMaxGain, entrants, storage, std::ref(part));
     ASSERT_TRUE(rest);
     EXPECT_EQ(part.evaluated, whole.evaluations);
     EXPECT_EQ(rest->best, whole.best);
@@ -137,7 +137,7 @@ TEST_F(FinalRaceTest, ThatIsCutShortGoesOnWithoutEvaluatingTwice) {
 
 TEST_F(FinalRaceTest, EveryReplicateIsAnEventAndATrialOfItsOwn) {
   NoisyBench bench{.truth = {{0, 5.0}, {1, 9.0}}};
-  race(kMostGain, {trial_of(1), {.key = "half"}}, bench);
+  race(kMaxGain, {trial_of(1), {.key = "half"}}, bench);
   const Storage storage = Storage::read(folder_ / "s.sqlite");
   const std::vector<Event> events = storage.events();
   const std::vector<Trial> trials = storage.trials(TrialKind::kReplicate);
@@ -175,7 +175,7 @@ TEST_F(FinalRaceTest, ASearchGoesOnAfterItAsIfThereHadBeenNone) {
   test::search_into(whole, noisy_task(24), noisy_hill);
   test::search_into(folder_, noisy_task(15), noisy_hill);
   NoisyBench bench{.truth = {{1, 9.0}, {2, 9.1}}};
-  race(kMostGain, {trial_of(1), trial_of(2)}, bench);
+  race(kMaxGain, {trial_of(1), trial_of(2)}, bench);
   test::search_into(folder_, noisy_task(24), noisy_hill);
   Storage raced = Storage::open(folder_ / "s.sqlite", test::identity());
   const auto of_search = [](const Storage& storage) {
@@ -208,7 +208,7 @@ TEST_F(FinalRaceTest, ProbabilitiesAreWhatIsObserved) {
     }
     const auto best =
         std::ranges::max_element(bench.truth, {}, [](const auto& entry) { return entry.second; });
-    const auto found = run_final_race(kMostGain, entrants, storage, std::ref(bench));
+    const auto found = run_final_race(kMaxGain, entrants, storage, std::ref(bench));
     const double chance = found->racers[found->best].probability;
     stated += chance;
     variance += chance * (1.0 - chance);

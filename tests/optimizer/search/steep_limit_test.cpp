@@ -124,16 +124,16 @@ TEST(SteepLimit, ASearchThatKnowsTheErrorIsResumedBitForBit) {
   }
 }
 
-TEST(LogLimit, KeepsSignAndSlopeAtTheBorder) {
+TEST(LogLimit, KeepsSignAndDerivativeAtTheBorder) {
   EXPECT_EQ(log_limit(0.0), 0.0);
   EXPECT_DOUBLE_EQ(log_limit(std::exp(3.0) - 1.0), 3.0);
   EXPECT_DOUBLE_EQ(log_limit(1.0 - std::exp(2.0)), -2.0);
   for (const double value : {-5.0, -0.3, 0.2, 40.0}) {
     const double step = 1e-6 * (1.0 + std::abs(value));
-    const double slope = (log_limit(value + step) - log_limit(value - step)) / (2.0 * step);
-    EXPECT_NEAR(log_limit_slope(value), slope, 1e-6);
+    const double derivative = (log_limit(value + step) - log_limit(value - step)) / (2.0 * step);
+    EXPECT_NEAR(log_limit_derivative(value), derivative, 1e-6);
   }
-  EXPECT_EQ(log_limit_slope(0.0), 1.0);
+  EXPECT_EQ(log_limit_derivative(0.0), 1.0);
 }
 
 TEST(LogLimit, IsThatOfExactLimitsToo) {

@@ -144,7 +144,7 @@ TEST(ObservedKernel, WithOtherRowsAgreesWithItself) {
   }
 }
 
-TEST(ObservedKernel, ItsSlopesAreThoseOfItsCovariances) {
+TEST(ObservedKernel, ItsDerivativesAreThoseOfItsCovariances) {
   const Scene scene(test::mixed_space());
   MatrixXd rows = scene.points.topRows(2);
   rows.col(0).array() += 0.07;
@@ -152,9 +152,9 @@ TEST(ObservedKernel, ItsSlopesAreThoseOfItsCovariances) {
   const MatrixXd weights = MatrixXd::NullaryExpr(count, 2, [](Index i, Index r) {
     return std::sin(1.0 + 3.0 * static_cast<double>(i) + static_cast<double>(r));
   });
-  const MatrixXd slopes = observed_slopes(scene.observed(), rows, {weights}).front();
+  const MatrixXd derivatives = observed_derivatives(scene.observed(), rows, {weights}).front();
   for (Index r = 0; r < rows.rows(); ++r) {
-    for (Index c = 0; c < slopes.cols(); ++c) {
+    for (Index c = 0; c < derivatives.cols(); ++c) {
       double expected = 0.0;
       for (const double side : {-1.0, 1.0}) {
         MatrixXd moved = rows;
@@ -162,7 +162,7 @@ TEST(ObservedKernel, ItsSlopesAreThoseOfItsCovariances) {
         expected += side / (2.0 * kStep) *
                     observed_covariance(scene.observed(), moved).col(r).dot(weights.col(r));
       }
-      EXPECT_NEAR(slopes(r, c), expected, 1e-5 * (1.0 + std::abs(expected)));
+      EXPECT_NEAR(derivatives(r, c), expected, 1e-5 * (1.0 + std::abs(expected)));
     }
   }
 }
@@ -193,7 +193,7 @@ double wave(const Point& p) {
   return std::sin(3.0 * p[0]) + p[0] * p[1];
 }
 
-UnitSlopes slopes_of_wave(const Point& p) {
+UnitDerivatives derivatives_of_wave(const Point& p) {
   return {3.0 * std::cos(3.0 * p[0]) + p[1], p[0]};
 }
 
@@ -203,13 +203,13 @@ struct Waves {
     for (int i = 0; i < count; ++i) {
       points.push_back({rng.uniform(), rng.uniform()});
       values.push_back(wave(points.back()));
-      slopes.push_back(slopes_of_wave(points.back()));
+      derivatives.push_back(derivatives_of_wave(points.back()));
     }
   }
 
   std::vector<Point> points;
   std::vector<double> values;
-  std::vector<UnitSlopes> slopes;
+  std::vector<UnitDerivatives> derivatives;
 };
 
 double worst_error(const GaussianProcess& process) {
@@ -224,20 +224,21 @@ double worst_error(const GaussianProcess& process) {
 TEST(GaussianProcess, InterpolatesAKnownFunctionByItsDerivatives) {
   const Waves known(6);
   const SearchSpace space = test::box(2, 0, 1);
-  GaussianProcess with(space, {.is_noisy = false, .takes_slopes = true});
-  with.fit(known.points, known.values, {}, known.slopes);
+  GaussianProcess with(space, {.is_noisy = false, .takes_derivatives = true});
+  with.fit(known.points, known.values, {}, known.derivatives);
   GaussianProcess without(space, {.is_noisy = false});
   without.fit(known.points, known.values);
   EXPECT_EQ(with.num_points(), 6);
-  EXPECT_EQ(with.num_slopes(), 12);
+  EXPECT_EQ(with.num_derivatives(), 12);
   EXPECT_LT(worst_error(with), 0.08);
   EXPECT_GT(worst_error(without), 2.0 * worst_error(with));
-  const SlopedPosterior at =
-      with.predict_with_slopes(with.encoding().rows(std::span(known.points).first(3)));
+  const PosteriorWithDerivatives at =
+      with.predict_with_derivatives(with.encoding().rows(std::span(known.points).first(3)));
   for (Index i = 0; i < 3; ++i) {
     for (Index c = 0; c < 2; ++c) {
-      const double slope = known.slopes[static_cast<std::size_t>(i)][static_cast<std::size_t>(c)];
-      EXPECT_NEAR(at.mean_slopes(i, c), slope, 0.05);
+      const double derivative =
+          known.derivatives[static_cast<std::size_t>(i)][static_cast<std::size_t>(c)];
+      EXPECT_NEAR(at.mean_derivatives(i, c), derivative, 0.05);
     }
     EXPECT_NEAR(with.means_at_points()[i], known.values[static_cast<std::size_t>(i)], 0.01);
   }
@@ -246,8 +247,8 @@ TEST(GaussianProcess, InterpolatesAKnownFunctionByItsDerivatives) {
 TEST(GaussianProcess, AddingDerivativesOneByOneIsTheSameAsAllAtOnce) {
   const Waves known(8);
   const SearchSpace space = test::box(2, 0, 1);
-  GaussianProcess grown(space, {.takes_slopes = true});
-  grown.fit(known.points, known.values, {}, known.slopes);
+  GaussianProcess grown(space, {.takes_derivatives = true});
+  grown.fit(known.points, known.values, {}, known.derivatives);
   // The second half again, moved, at their own values: mean and spread stay the same to both when
   // the values are the same.
   Waves more = known;
@@ -256,12 +257,12 @@ TEST(GaussianProcess, AddingDerivativesOneByOneIsTheSameAsAllAtOnce) {
     moved[0] = 1.0 - moved[0];
     more.points.push_back(moved);
     more.values.push_back(known.values[i]);
-    more.slopes.push_back(i % 2 == 0 ? known.slopes[i] : UnitSlopes{});
-    grown.add(moved, known.values[i], {}, more.slopes.back());
+    more.derivatives.push_back(i % 2 == 0 ? known.derivatives[i] : UnitDerivatives{});
+    grown.add(moved, known.values[i], {}, more.derivatives.back());
   }
-  GaussianProcess whole(space, {.takes_slopes = true});
-  whole.set(grown.parameters(), more.points, more.values, {}, more.slopes);
-  EXPECT_EQ(grown.num_slopes(), whole.num_slopes());
+  GaussianProcess whole(space, {.takes_derivatives = true});
+  whole.set(grown.parameters(), more.points, more.values, {}, more.derivatives);
+  EXPECT_EQ(grown.num_derivatives(), whole.num_derivatives());
   for (const Point& p : {Point{0.3, 0.4}, Point{0.8, 0.1}}) {
     EXPECT_NEAR(grown.predict(p).mean, whole.predict(p).mean, 1e-6);
     EXPECT_NEAR(grown.predict(p).variance, whole.predict(p).variance, 1e-6);
@@ -271,26 +272,26 @@ TEST(GaussianProcess, AddingDerivativesOneByOneIsTheSameAsAllAtOnce) {
 TEST(GaussianProcess, LetsGoOfADerivativeThatTheOthersContradict) {
   Waves known(12);
   const SearchSpace space = test::box(2, 0, 1);
-  GaussianProcess process(space, {.is_noisy = false, .takes_slopes = true});
-  process.fit(known.points, known.values, {}, known.slopes);
+  GaussianProcess process(space, {.is_noisy = false, .takes_derivatives = true});
+  process.fit(known.points, known.values, {}, known.derivatives);
   const KernelParameters parameters = process.parameters();
-  EXPECT_EQ(process.drop_contradicted_slopes(5.0), 0);
-  known.slopes[4][0] = -known.slopes[4][0] - 3.0;
-  process.set(parameters, known.points, known.values, {}, known.slopes);
+  EXPECT_EQ(process.drop_contradicted_derivatives(5.0), 0);
+  known.derivatives[4][0] = -known.derivatives[4][0] - 3.0;
+  process.set(parameters, known.points, known.values, {}, known.derivatives);
   const double misled = worst_error(process);
-  EXPECT_GE(process.drop_contradicted_slopes(5.0), 1);
+  EXPECT_GE(process.drop_contradicted_derivatives(5.0), 1);
   EXPECT_LT(worst_error(process), 0.3 * misled);
 }
 
 TEST(GaussianProcess, TakesDerivativesOnlyWhereTheyAreKnown) {
   Waves known(6);
-  for (UnitSlopes& slopes : known.slopes) {
-    slopes[1] = std::nan("");
+  for (UnitDerivatives& derivatives : known.derivatives) {
+    derivatives[1] = std::nan("");
   }
-  known.slopes[2].clear();
-  GaussianProcess process(test::box(2, 0, 1), {.takes_slopes = true});
-  process.fit(known.points, known.values, {}, known.slopes);
-  EXPECT_EQ(process.num_slopes(), 5);
+  known.derivatives[2].clear();
+  GaussianProcess process(test::box(2, 0, 1), {.takes_derivatives = true});
+  process.fit(known.points, known.values, {}, known.derivatives);
+  EXPECT_EQ(process.num_derivatives(), 5);
 }
 
 }  // namespace

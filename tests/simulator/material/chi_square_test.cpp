@@ -67,7 +67,7 @@ class PolarBins {
 
 /// Standard deviations that the chi-square statistic lies above its mean (Wilson and Hilferty).
 double surprise(const std::vector<double>& expected, const std::vector<int>& found) {
-  constexpr double kFewest = 10.0;
+  constexpr double kMin = 10.0;
   double statistic = 0.0;
   double few_expected = 0.0;
   int few_found = 0;
@@ -77,14 +77,14 @@ double surprise(const std::vector<double>& expected, const std::vector<int>& fou
     ++bins;
   };
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    if (expected[i] < kFewest) {
+    if (expected[i] < kMin) {
       few_expected += expected[i];
       few_found += found[i];
     } else {
       add(expected[i], found[i]);
     }
   }
-  if (few_expected >= kFewest) {
+  if (few_expected >= kMin) {
     add(few_expected, few_found);
   }
   const double degrees = std::max(1, bins - 1);

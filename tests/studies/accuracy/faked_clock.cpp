@@ -17,10 +17,10 @@ std::atomic<std::uint32_t> state = 1;
 std::atomic<std::int64_t> now_s = 0;
 
 std::int64_t jump_s() {
-  constexpr std::uint32_t kMostJump_s = 5000;
+  constexpr std::uint32_t kMaxJump_s = 5000;
   const std::uint32_t next = state * 1664525U + 1013904223U;  // Numerical Recipes
   state = next;
-  return 1 + (next >> 8) % kMostJump_s;
+  return 1 + (next >> 8) % kMaxJump_s;
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ namespace {
 constexpr int kTopSamples = 512;
 constexpr int kTopBatches = 8;
 constexpr int kOtherSeed = 5000011;
-constexpr int kFewestEvaluations = 30;
+constexpr int kMinEvaluations = 30;
 
 /// What one of the two searches came to.
 struct Found {
@@ -115,13 +115,13 @@ void compare(const Study& study,
       sums.cpu_s / paths.cpu_s,
       behind,
       noise);
-  EXPECT_GE(sums.evaluations, kFewestEvaluations);
+  EXPECT_GE(sums.evaluations, kMinEvaluations);
   EXPECT_LT(sums.work, paths.work);
   EXPECT_LT(behind, 2.0 * noise) << "the winner is no worse";
 }
 
 Study gallery_study(const std::string& name, int larger_pixels) {
-  std::vector<KeyValue> sets = {{"budget.evaluations", std::to_string(kFewestEvaluations)}};
+  std::vector<KeyValue> sets = {{"budget.evaluations", std::to_string(kMinEvaluations)}};
   const Study whole = load_study(gallery::folder_of(name) / "study.toml", {});
   const CameraSettings& camera = whole.scene.camera;
   sets.push_back({"camera.width_px", std::to_string(camera.width_px / larger_pixels)});
@@ -160,7 +160,7 @@ TEST(DirectSearch, OfAGearFindsNoWorseARing) {
                          "[search]\nalgorithm = \"cobyla\"\nbatch = 2\n"
                          "[budget]\nevaluations = {}\n",
                          (gallery::folder_of("gear_defects") / "scene.toml").string(),
-                         kFewestEvaluations));
+                         kMinEvaluations));
   compare(load_study(folder / "study.toml", {}), "homogeneity.h_rms", "direct sum, 1 ray a pixel");
 }
 

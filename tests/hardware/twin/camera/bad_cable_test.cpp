@@ -125,7 +125,7 @@ TEST_F(LossyCable, WithoutResentPacketsIncompleteFramesAreNamed) {
   cable_.set_faults({.dropped = 0.05, .answers_resend = false});
   const Frame frame = camera->capture();
   EXPECT_EQ(frame.status, FrameStatus::kIncomplete);
-  EXPECT_EQ(frame.retakes, kMostRetakes);
+  EXPECT_EQ(frame.retakes, kMaxRetakes);
   EXPECT_TRUE(frame.codes.empty());
   cable_.set_faults({});
   EXPECT_TRUE(camera->capture().is_complete());

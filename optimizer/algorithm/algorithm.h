@@ -61,9 +61,7 @@ namespace glint {
 /// 3: gp knows scores that follow from a design alone, and takes derivatives.
 /// 4: gp models the signed logarithm of limits.
 /// 5: gp knows the standard errors of limits; a start point that is given twice is asked once.
-/// 6: gp asks less often everywhere where that found nothing within the limits of several
-///    objectives.
-inline constexpr int kSearchRules = 6;
+inline constexpr int kSearchRules = 5;
 
 /// Repeated points in a row after which a space counts as fully sampled.
 inline constexpr int kMaxRepeats = 5000;

@@ -19,6 +19,8 @@ namespace {
 constexpr int kNumGlobal = 200;
 constexpr int kNumLocal = 200;
 constexpr int kNumRefined = 60;
+/// Of so many questions by rules 2 one reaches everywhere.
+constexpr std::uint64_t kAsksPerFarOne = 4;
 /// Keeps the random numbers of questions apart from the other users of the study's seed.
 constexpr std::uint64_t kAskSeeds = 1ULL << 35;
 
@@ -35,15 +37,10 @@ GaussianSearch::GaussianSearch(const SearchSpace& space,
     : space_(space),
       plan_(plan),
       sobol_(plan.seed, static_cast<int>(space.variables.size())),
-      design_(start_points.begin(), start_points.end()),
-      far_(plan.rules > 5 && plan.num_objectives > 1 && plan.num_limits > 0) {}
+      design_(start_points.begin(), start_points.end()) {}
 
 std::optional<Point> GaussianSearch::ask() {
-  const bool is_far = is_far_question();
   std::optional<Point> point = next_point();
-  if (point && is_far) {
-    far_.note(*point, num_asks_);
-  }
   ++num_asks_;
   if (point) {
     asked_.insert(*point);
@@ -75,14 +72,7 @@ bool GaussianSearch::is_designing() const {
   return num_asks_ < static_cast<std::uint64_t>(plan_.num_design) || num_succeeded_ < 2;
 }
 
-bool GaussianSearch::is_far_question() const {
-  return design_.empty() && !is_designing() && far_.is_due(num_asks_);
-}
-
 void GaussianSearch::restore_ask(const Point& point) {
-  if (is_far_question()) {
-    far_.note(point, num_asks_);
-  }
   if (!design_.empty()) {
     design_.pop_front();
   } else if (is_designing()) {
@@ -178,7 +168,6 @@ void GaussianSearch::tell(const Point& point, const Answer& answer) {
         "told as many objectives and limits as announced");
     ++num_succeeded_;
   }
-  far_.judge(told.point, keeps_limits(told, plan_.num_objectives));
   told_.push_back(std::move(told));
 }
 
@@ -380,7 +369,7 @@ std::optional<Point> GaussianSearch::promising_point(std::span<const GaussianPro
                              .known = known,
                              .asked = asked_,
                              .exact = plan_.exact.empty() ? nullptr : &plan_.exact};
-  const Reach reach = is_far_question() ? Reach::kEverywhere : Reach::kNear;
+  const Reach reach = num_asks_ % kAsksPerFarOne == 0 ? Reach::kEverywhere : Reach::kNear;
   std::optional<Point> point = propose(task, reach, rng);
   return point || reach == Reach::kEverywhere ? point : propose(task, Reach::kEverywhere, rng);
 }

@@ -12,7 +12,6 @@
 // - With derivatives (GaussianSearchPlan::takes_derivatives) models know those of designs near the
 // best
 //   one, 300 in all; which contradict the rest is found by leaving each out.
-// - Which questions reach everywhere is told by far_questions.h.
 // - No design is asked twice, so a finite space ends.
 //
 // What is asked depends on what was told and asked before, the seed and nothing else. By rules 2
@@ -28,7 +27,6 @@
 #include "optimizer/algorithm/acquisition.h"
 #include "optimizer/algorithm/algorithm.h"
 #include "optimizer/algorithm/exact_values.h"
-#include "optimizer/algorithm/far_questions.h"
 #include "optimizer/algorithm/sobol.h"
 #include "optimizer/algorithm/told_designs.h"
 
@@ -71,7 +69,6 @@ class GaussianSearch final : public Algorithm {
   };
 
   bool is_designing() const;
-  bool is_far_question() const;
   std::optional<Point> next_point();
   std::optional<Point> fresh_sobol_point();
   std::optional<Point> promising_point(std::span<const GaussianProcess> models, Rng& rng);
@@ -94,7 +91,6 @@ class GaussianSearch final : public Algorithm {
   GaussianSearchPlan plan_;
   Sobol sobol_;
   std::deque<Point> design_;
-  FarQuestions far_;
   std::vector<Point> pending_;
   std::set<Point> asked_;
   std::vector<ToldDesign> told_;

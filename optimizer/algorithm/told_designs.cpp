@@ -56,12 +56,6 @@ ModelData model_data(std::span<const ToldDesign> designs, std::size_t num_values
   return data;
 }
 
-bool keeps_limits(const ToldDesign& told, int num_objectives) {
-  return !told.values.empty() && std::all_of(told.values.begin() + num_objectives,
-                                             told.values.end(),
-                                             [](double excess) { return excess <= 0.0; });
-}
-
 int num_known(const UnitDerivatives& derivatives) {
   return static_cast<int>(std::ranges::count_if(
       derivatives, [](double derivative) { return std::isfinite(derivative); }));

@@ -43,9 +43,6 @@ struct ModelData {
 /// @param num_values  objectives and limits
 ModelData model_data(std::span<const ToldDesign> designs, std::size_t num_values);
 
-/// Whether it succeeded within all limits.
-bool keeps_limits(const ToldDesign& told, int num_objectives);
-
 int num_known(const UnitDerivatives& derivatives);
 
 /// How many derivatives a model may know: 300 in all, shared by the values that have any.

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/file.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <memory>
@@ -8,7 +12,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "core/error.h"
 
@@ -22,6 +25,50 @@ struct FileCloser {
 };
 
 using FilePointer = std::unique_ptr<std::FILE, FileCloser>;
+
+/// A descriptor that is closed.
+class Descriptor {
+ public:
+  Descriptor(const fs::path& path, int flags)
+      : number_(::open(path.c_str(), flags | O_CLOEXEC, 0644)) {}
+
+  ~Descriptor() {
+    if (number_ >= 0) {
+      ::close(number_);
+    }
+  }
+
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  bool is_open() const { return number_ >= 0; }
+
+  /// @return whether all bytes were taken
+  bool write(std::string_view bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t count = ::write(number_, bytes.data(), bytes.size());
+      if (count < 0 && errno != EINTR) {
+        return false;
+      }
+      bytes.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(0, count)));
+    }
+    return true;
+  }
+
+  /// What has no disk below it (pipes, some network folders) says EINVAL: there is nothing to do.
+  bool sync() const { return ::fsync(number_) == 0 || errno == EINVAL; }
+
+ private:
+  int number_;
+};
+
+[[noreturn]] void throw_unwritable(const fs::path& path) {
+  throw IoError(fmt::format("{}: cannot be written: {}", path.string(), last_system_error()));
+}
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
 
 /// Devices and pipes (/dev/stdout, /dev/full) are written in place: a rename would replace them.
 bool is_device(const fs::path& path) {
@@ -73,6 +120,48 @@ void write_file(const fs::path& path, std::string_view bytes) {
     throw IoError(fmt::format("{}: cannot be written: {}", path.string(), last_system_error()));
   }
   output.commit();
+}
+
+void write_synced(const fs::path& path, std::string_view bytes) {
+  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
+  if (!file.is_open() || !file.write(bytes) || !file.sync()) {
+    throw_unwritable(path);
+  }
+}
+
+void sync_folder(const fs::path& folder) {
+  const Descriptor list(folder, O_RDONLY | O_DIRECTORY);
+  if (!list.is_open() || !list.sync()) {
+    throw_unwritable(folder);
+  }
+}
+
+void rename_durably(const fs::path& from, const fs::path& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) {
+    throw_unwritable(to);
+  }
+  sync_folder(folder_of(to));
+}
+
+void write_file_durably(const fs::path& path, std::string_view bytes) {
+  if (is_device(path)) {
+    write_file(path, bytes);
+    return;
+  }
+  AtomicFile output(path);
+  write_synced(output.temporary_path(), bytes);
+  output.commit();
+  sync_folder(folder_of(path));
+}
+
+void make_folder_durably(const fs::path& path) {
+  std::vector<fs::path> new_ones;
+  for (fs::path folder = path; !folder.empty() && !is_there(folder);
+       folder = folder.parent_path()) {
+    new_ones.push_back(folder);
+  }
+  make_folder(path);
+  std::ranges::for_each(new_ones, [](const fs::path& made) { sync_folder(folder_of(made)); });
 }
 
 std::string read_file(const fs::path& path) {

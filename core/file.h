@@ -30,6 +30,23 @@ class AtomicFile {
 /// Writes all bytes, then renames into place. @throws IoError (unwritable, disk full).
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
+/// The same, and its bytes and its name are on the disk when this returns: for what a record that
+/// is written later relies on, also after a power cut. Devices and pipes are only written.
+void write_file_durably(const std::filesystem::path& path, std::string_view bytes);
+
+/// Writes into the file itself, and its bytes are on the disk when this returns; its name is after
+/// sync_folder(). @throws IoError
+void write_synced(const std::filesystem::path& path, std::string_view bytes);
+
+/// The folder's list of names is on the disk when this returns. @throws IoError
+void sync_folder(const std::filesystem::path& folder);
+
+/// The new name is on the disk when this returns; both lie in one folder. @throws IoError
+void rename_durably(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// make_folder(), and the names of those that were made are on the disk when this returns.
+void make_folder_durably(const std::filesystem::path& path);
+
 /// The whole file. @throws IoError with the system's reason.
 std::string read_file(const std::filesystem::path& path);
 

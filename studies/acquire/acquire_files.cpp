@@ -17,15 +17,18 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-std::string png_of(const Frame& frame, const fs::path& folder) {
+/// The bytes of a PNG file.
+std::string png_of(const ImageF& picture, PixelDepth depth, const fs::path& folder) {
   const fs::path file = folder / ".picture.png";
-  write_png(file,
-            linear_values(frame),
-            bits_of(frame.format) == 8 ? PixelDepth::k8Bit : PixelDepth::k16Bit);
+  write_png(file, picture, depth);
   std::string bytes = read_file(file);
   std::error_code none;
   fs::remove(file, none);
   return bytes;
+}
+
+PixelDepth depth_of(const Frame& frame) {
+  return bits_of(frame.format) == 8 ? PixelDepth::k8Bit : PixelDepth::k16Bit;
 }
 
 ImageF mean_of(const std::vector<const AcquiredPicture*>& pictures, const fs::path& folder) {
@@ -123,23 +126,23 @@ void AcquireFiles::keep(const TakenPicture& picture) {
     std::error_code none;
     fs::remove(mean_file(work_.plan.tasks.at(picture.task)), none);
   }
-  journal_.keep(described(picture), png_of(picture.frame, folder_));
+  journal_.keep(described(picture),
+                png_of(linear_values(picture.frame), depth_of(picture.frame), folder_));
 }
 
 void AcquireFiles::write_means() {
   for (const ViewTask& task : work_.plan.tasks) {
     const auto pictures = accepted_of(task.name);
     const fs::path file = mean_file(task);
-    // After a power cut a file may have its name and no bytes.
+    // After a power cut a file of an earlier program may have its name and no bytes.
     const bool is_written = fs::exists(file) && fs::file_size(file) > 0;
     if (pictures.size() != task.positions.size() || pictures.empty() || is_written) {
       continue;
     }
-    if (pictures.size() == 1) {
-      write_file(file, read_file(folder_ / pictures.front()->file));
-    } else {
-      write_png(file, mean_of(pictures, folder_), PixelDepth::k16Bit);
-    }
+    write_file_durably(file,
+                       pictures.size() == 1
+                           ? read_file(folder_ / pictures.front()->file)
+                           : png_of(mean_of(pictures, folder_), PixelDepth::k16Bit, folder_));
   }
 }
 
@@ -181,8 +184,8 @@ Json AcquireFiles::write(Json head) const {
     pictures.push_back(std::move(json));
   }
   head["pictures"] = std::move(pictures);
-  write_file(folder_ / "poses.csv", poses);
-  write_file(folder_ / "acquired.json", head.dump(2) + "\n");
+  write_file_durably(folder_ / "poses.csv", poses);
+  write_file_durably(folder_ / "acquired.json", head.dump(2) + "\n");
   return head;
 }
 

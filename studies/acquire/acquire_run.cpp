@@ -107,16 +107,16 @@ double duration_of(const Tour& tour, const Cell& cell, double share) {
 
 /// Copies that make the folder whole.
 void write_inputs(const Prepared& ready, Json& head) {
-  write_file(ready.folder / "cell.toml", cell_copy(ready.cell.file));
+  write_file_durably(ready.folder / "cell.toml", cell_copy(ready.cell.file));
   head["scene"] = nullptr;
   head["cell"] = "cell.toml";
   head["calibration"] = nullptr;
   if (ready.source.scene) {
-    write_file(ready.folder / "scene.toml", to_toml(write_scene(*ready.source.scene)));
+    write_file_durably(ready.folder / "scene.toml", to_toml(write_scene(*ready.source.scene)));
     head["scene"] = "scene.toml";
   }
   if (!ready.cell.calibration.empty()) {
-    write_file(ready.folder / "calibration.toml", read_file(ready.cell.calibration));
+    write_file_durably(ready.folder / "calibration.toml", read_file(ready.cell.calibration));
     head["calibration"] = "calibration.toml";
   }
 }
@@ -357,7 +357,7 @@ Json acquire_pictures(const AcquireOptions& options,
   Json run = provenance();
   run["verb"] = command_of(ResultKind::kAcquire);
   run["seconds"] = seconds_since(start);
-  write_file(ready.folder / "run.json", run.dump(2) + "\n");
+  write_file_durably(ready.folder / "run.json", run.dump(2) + "\n");
   return ended(ready, std::move(json));
 }
 

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -49,39 +48,9 @@ class Descriptor {
 
   int number() const { return number_; }
 
-  void sync(const fs::path& path) const {
-    if (::fsync(number_) != 0) {
-      throw IoError(fmt::format("{}: {}", path.string(), last_system_error()));
-    }
-  }
-
  private:
   int number_;
 };
-
-void write_synced(const fs::path& path, const std::string& bytes) {
-  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
-  std::size_t written = 0;
-  while (written < bytes.size()) {
-    const ssize_t count = ::write(file.number(), bytes.data() + written, bytes.size() - written);
-    if (count < 0 && errno != EINTR) {
-      throw IoError(fmt::format("{}: {}", path.string(), last_system_error()));
-    }
-    written += static_cast<std::size_t>(std::max<ssize_t>(0, count));
-  }
-  file.sync(path);
-}
-
-void sync_folder(const fs::path& folder) {
-  Descriptor(folder, O_RDONLY | O_DIRECTORY).sync(folder);
-}
-
-void rename_synced(const fs::path& from, const fs::path& to) {
-  if (::rename(from.c_str(), to.c_str()) != 0) {
-    throw IoError(fmt::format("{}: {}", to.string(), last_system_error()));
-  }
-  sync_folder(to.parent_path());
-}
 
 fs::path hidden(const fs::path& path) {
   return path.parent_path() / fmt::format(".{}.part", path.filename().string());
@@ -201,7 +170,7 @@ bool AcquireJournal::find_bytes(const AcquiredPicture& picture) const {
   if (!has_digest(hidden(path), picture.sha256)) {
     return false;
   }
-  rename_synced(hidden(path), path);
+  rename_durably(hidden(path), path);
   return true;
 }
 
@@ -245,7 +214,7 @@ void AcquireJournal::remove_strangers(const fs::path& below) const {
 
 void AcquireJournal::keep(AcquiredPicture picture, const std::string& bytes) {
   const fs::path path = folder_ / picture.file;
-  make_folder(path.parent_path());
+  make_folder_durably(path.parent_path());
   picture.sha256 = sha256_hex(bytes);
   write_synced(hidden(path), bytes);
   sync_folder(path.parent_path());
@@ -254,7 +223,7 @@ void AcquireJournal::keep(AcquiredPicture picture, const std::string& bytes) {
       .bind(picture.file)
       .bind(picture_json(picture).dump())
       .run();
-  rename_synced(hidden(path), path);
+  rename_durably(hidden(path), path);
   pictures_.push_back(std::move(picture));
 }
 

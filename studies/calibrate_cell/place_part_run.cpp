@@ -115,7 +115,7 @@ class PartPlacing {
       next_ = {{"placement", number}, {"text", wish(number)}};
       return false;
     }
-    write_file(folder_ / "placed.json", Json{{"placed", number}}.dump() + "\n");
+    write_file_durably(folder_ / "placed.json", Json{{"placed", number}}.dump() + "\n");
     return true;
   }
 

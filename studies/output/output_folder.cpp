@@ -44,7 +44,7 @@ bool is_unfinished(const std::string& name) {
 
 OutputFolder::OutputFolder(const fs::path& path) : first_created_(first_missing(path)) {
   try {
-    make_folder(path);
+    make_folder_durably(path);
   } catch (...) {
     std::error_code ignored;
     if (!first_created_.empty()) {

@@ -164,7 +164,7 @@ void check_inputs_kept(std::span<const fs::path> inputs,
 void mark_result_folder(const fs::path& folder, ResultKind kind) {
   if (!result_kind_of(folder)) {
     const Json mark = {{"version", program_version()}, {"verb", std::string(command_of(kind))}};
-    write_file(folder / "run.json", mark.dump(2) + "\n");
+    write_file_durably(folder / "run.json", mark.dump(2) + "\n");
   }
 }
 

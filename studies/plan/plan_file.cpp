@@ -221,7 +221,7 @@ Json plan_json(const PlanFile& file) {
 }
 
 void write_plan(const PlanFile& file, const std::filesystem::path& path) {
-  write_file(path, plan_json(file).dump(2) + "\n");
+  write_file_durably(path, plan_json(file).dump(2) + "\n");
 }
 
 PlanFile read_plan(const std::filesystem::path& path) {

@@ -35,6 +35,20 @@ TEST(WriteFile, ReplacesWhatWasThere) {
   EXPECT_EQ(read_file(folder / "a.txt"), "");
 }
 
+TEST(WriteFileDurably, WritesAsWriteFileDoes) {
+  const TemporaryFolder folder;
+  make_folder_durably(folder / "a/b");
+  write_file_durably(folder / "a/b/c.txt", "a long first text");
+  write_file_durably(folder / "a/b/c.txt", "short");
+  EXPECT_EQ(read_file(folder / "a/b/c.txt"), "short");
+  rename_durably(folder / "a/b/c.txt", folder / "a/b/d.txt");
+  EXPECT_EQ(read_file(folder / "a/b/d.txt"), "short");
+  EXPECT_THROW(write_file_durably(folder / "missing/a.txt", "x"), IoError);
+  EXPECT_THROW(rename_durably(folder / "missing", folder / "a/e"), IoError);
+  EXPECT_THROW(write_file_durably("/dev/full", "x"), IoError);
+  EXPECT_EQ(folder.count(), 1);
+}
+
 TEST(WriteFile, NamesTheFileWhenTheFolderIsUnusable) {
   const TemporaryFolder folder;
   write_file(folder / "plain", "x");

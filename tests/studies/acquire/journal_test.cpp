@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/acquire/journal.h"
 
+#include <fcntl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -17,6 +22,40 @@
 #include "core/file.h"
 #include "core/rng.h"
 #include "tests/support/temporary_folder.h"
+
+namespace {
+
+/// What was put on the disk, in order: paths of synced files and folders, new names after "-> ".
+/// Null: nobody looks.
+std::vector<std::string>* disk_order = nullptr;
+
+void note_sync(int file) {
+  if (disk_order != nullptr) {
+    std::error_code none;
+    disk_order->push_back(
+        std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(file), none).string());
+  }
+}
+
+}  // namespace
+
+// In the place of the C library's, also for SQLite: what they do, and a note of it.
+extern "C" int fsync(int file) {
+  note_sync(file);
+  return static_cast<int>(::syscall(SYS_fsync, file));
+}
+
+extern "C" int fdatasync(int file) {
+  note_sync(file);
+  return static_cast<int>(::syscall(SYS_fdatasync, file));
+}
+
+extern "C" int rename(const char* from, const char* to) noexcept {
+  if (disk_order != nullptr) {
+    disk_order->push_back(std::string("-> ") + to);
+  }
+  return ::renameat(AT_FDCWD, from, AT_FDCWD, to);
+}
 
 namespace glint {
 namespace {
@@ -90,6 +129,41 @@ TEST(AcquireJournal, RepairsEachHalfOfAPicture) {
   EXPECT_FALSE(fs::exists(sequence / "frame_001.png"));
   EXPECT_FALSE(fs::exists(sequence / ".frame_009.png.part"));
   EXPECT_FALSE(fs::exists(sequence / "frame_010.png"));
+}
+
+/// Where something was noted after `from`; the end: it was not.
+std::size_t place_of(const std::vector<std::string>& order,
+                     const std::string& what,
+                     std::size_t from = 0) {
+  const auto begin = order.begin() + static_cast<std::ptrdiff_t>(std::min(from, order.size()));
+  return static_cast<std::size_t>(std::find(begin, order.end(), what) - order.begin());
+}
+
+// What a power cut leaves is a beginning of this order: the row never comes before the bytes that
+// it tells of, nor before the names of the folders that lead to them.
+TEST(AcquireJournal, PutsAPictureOnTheDiskBeforeItsRow) {
+  const TemporaryFolder folder;
+  AcquireJournal journal(folder / "", "plan");
+  std::vector<std::string> order;
+  disk_order = &order;
+  journal.keep(picture(0), bytes_of(0));
+  disk_order = nullptr;
+  const fs::path whole = fs::canonical(folder.path());
+  const fs::path sequence = whole / "views/left/sequence";
+  const std::string all = testing::PrintToString(order);
+  const std::size_t row = place_of(order, (whole / "journal.sqlite").string());
+  const std::size_t named =
+      place_of(order, "-> " + (folder / "views/left/sequence").string() + "/frame_000.png");
+  ASSERT_LT(named, order.size()) << all;
+  EXPECT_LT(row, named) << all;
+  for (const fs::path& before : {sequence / ".frame_000.png.part",
+                                 sequence,
+                                 sequence.parent_path(),
+                                 whole / "views",
+                                 whole}) {
+    EXPECT_LT(place_of(order, before.string()), row) << before << all;
+  }
+  EXPECT_LT(place_of(order, sequence.string(), named), order.size()) << "its own name" << all;
 }
 
 /// Keeps what is missing of 12 pictures. Never returns.

@@ -107,8 +107,9 @@ class Acquisition {
       TakenPicture picture = {.task = index, .position = position, .attempt = attempt};
       take_picture(picture);
       const ViewTask& task = plan_.tasks[index];
-      picture.figures = figures_of(picture.frame, task.expected, task.tolerance_px);
-      picture.reason = rejection_of(picture.figures, options_.limits, sharpest);
+      const double most_blur_px = blur_limit_px(options_.limits, task.expected.blur_px);
+      picture.figures = figures_of(picture.frame, task.expected, most_blur_px > 0.0);
+      picture.reason = rejection_of(picture.figures, options_.limits, sharpest, most_blur_px);
       picture.is_accepted = picture.reason.empty();
       of_sink(picture);
       if (picture.is_accepted) {

@@ -42,8 +42,7 @@ struct ViewTask {
   double exposure_us = 10000.0;
   std::vector<int> positions = {0};  ///< of the stage, one picture each; without a stage {0}
   double sharpest = 0.0;             ///< of pictures of this sequence that were taken before
-  Mask expected;                     ///< where the part should be: figures_of(); empty: not known
-  double tolerance_px = 0.0;         ///< of that
+  ExpectedPicture expected = {};     ///< of each of its pictures
 };
 
 /// In the order of their points.

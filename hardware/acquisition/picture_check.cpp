@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "hardware/acquisition/edge_spread.h"
+
 namespace glint {
 namespace {
 
@@ -113,6 +115,21 @@ class ExpectedOutline {
     }
   }
 
+  /// True within the outline's own window, where a shift takes it.
+  Mask band(int dx, int dy) const {
+    Mask band(mask_.width(), mask_.height());
+    for (const auto& [x, y] : pixels_) {
+      for (int j = y + dy - kOutlineWindow_px; j <= y + dy + kOutlineWindow_px; ++j) {
+        for (int i = x + dx - kOutlineWindow_px; i <= x + dx + kOutlineWindow_px; ++i) {
+          if (i >= 0 && j >= 0 && i < band.width() && j < band.height()) {
+            band(i, j) = 1;
+          }
+        }
+      }
+    }
+    return band;
+  }
+
   /// Of the outline's pixels; those that leave the picture do not show.
   double seen_share(int dx, int dy, double least_step) const {
     std::size_t seen = 0;
@@ -150,22 +167,29 @@ class ExpectedOutline {
   std::vector<std::pair<int, int>> pixels_;
 };
 
-/// The largest share over all shifts within the tolerance.
-double outline_share(const Codes& codes,
-                     const Mask& mask,
-                     double tolerance_px,
-                     double bright_code) {
-  const int factor = codes.width() / mask.width();
+struct FoundOutline {
+  double share = 0.0;  ///< the largest one over all shifts within the tolerance
+  Mask band;           ///< ExpectedOutline::band() there
+};
+
+FoundOutline find_outline(const Codes& codes, const ExpectedPicture& expected, double bright_code) {
+  const int factor = codes.width() / expected.part.width();
   const ImageF grey = block_means(codes, factor);
-  const ExpectedOutline outline(grey, mask);
-  const int reach = std::min(static_cast<int>(std::ceil(tolerance_px / factor)), kMaxShift_px);
+  const ExpectedOutline outline(grey, expected.part);
+  const int reach =
+      std::min(static_cast<int>(std::ceil(expected.tolerance_px / factor)), kMaxShift_px);
   double best = 0.0;
+  std::pair<int, int> shift;
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
-      best = std::max(best, outline.seen_share(dx, dy, kOutlineContrast * bright_code));
+      const double share = outline.seen_share(dx, dy, kOutlineContrast * bright_code);
+      if (share > best) {
+        best = share;
+        shift = {dx, dy};
+      }
     }
   }
-  return best;
+  return {.share = best, .band = outline.band(shift.first, shift.second)};
 }
 
 /// Whether a mask is of a picture's size, or of that divided by a whole number.
@@ -175,6 +199,28 @@ bool is_of_picture(const Mask& mask, const Codes& codes) {
   }
   const int factor = codes.width() / mask.width();
   return codes.width() / factor == mask.width() && codes.height() / factor == mask.height();
+}
+
+/// Why a picture is not sharp enough; empty when it is.
+std::string blur_fault(const PictureFigures& figures,
+                       const PictureLimits& limits,
+                       double sharpest,
+                       double most_blur_px) {
+  if (figures.sharpness < limits.min_sharpness) {
+    return fmt::format(
+        "blurred: sharpness {:.3g}, {:.3g} is needed", figures.sharpness, limits.min_sharpness);
+  }
+  if (figures.sharpness < limits.min_sharpness_share * sharpest) {
+    return fmt::format("blurred: sharpness {:.3g}, the sharpest of its sequence has {:.3g}",
+                       figures.sharpness,
+                       sharpest);
+  }
+  if (most_blur_px > 0.0 && figures.edge_px && *figures.edge_px > most_blur_px) {
+    return fmt::format("blurred: its edges have a sigma of {:.1f} px, {:.1f} px is the most",
+                       *figures.edge_px,
+                       most_blur_px);
+  }
+  return {};
 }
 
 /// Why a picture is too dark or too bright; empty when it is neither.
@@ -212,6 +258,11 @@ void visit_keys(KeyVisitor& keys, PictureLimits& limits) {
               limits.min_sharpness,
               Range::at_least(0),
               "below which it is blurred, whatever the others are");
+  keys.number("max_blur_px",
+              limits.max_blur_px,
+              Range::between(0, 1000),
+              "sigma of its edges above which a picture is blurred; 0: by what the scene's camera "
+              "blurs");
   keys.number("min_outline_share",
               limits.min_outline_share,
               Range::between(0, 1),
@@ -219,7 +270,16 @@ void visit_keys(KeyVisitor& keys, PictureLimits& limits) {
   keys.integer("most_retakes", limits.most_retakes, Range::between(0, 20), "of one picture");
 }
 
-PictureFigures figures_of(const Frame& frame, const Mask& expected, double tolerance_px) {
+double blur_limit_px(const PictureLimits& limits, double expected_blur_px) {
+  constexpr double kMoreTimes = 2.0;
+  constexpr double kMore_px = 0.5;
+  if (limits.max_blur_px > 0.0) {
+    return limits.max_blur_px;
+  }
+  return expected_blur_px > 0.0 ? kMoreTimes * expected_blur_px + kMore_px : 0.0;
+}
+
+PictureFigures figures_of(const Frame& frame, const ExpectedPicture& expected, bool has_spread) {
   GLINT_CHECK(frame.is_complete() && frame.codes.size() > 0, "only pictures have figures");
   const int largest = (1 << bits_of(frame.format)) - 1;
   double sum = 0.0;
@@ -235,26 +295,30 @@ PictureFigures figures_of(const Frame& frame, const Mask& expected, double toler
                             .bright = bright_code / largest,
                             .clipped_share = static_cast<double>(clipped) / pixels,
                             .sharpness = sharpness_of(frame.codes, sum / pixels)};
-  if (is_of_picture(expected, frame.codes)) {
-    figures.outline_share = outline_share(frame.codes, expected, tolerance_px, bright_code);
+  FoundOutline outline = {.band = Mask(1, 1)};
+  outline.band(0, 0) = 1;  // the whole picture
+  if (is_of_picture(expected.part, frame.codes)) {
+    outline = find_outline(frame.codes, expected, bright_code);
+    figures.outline_share = outline.share;
+  }
+  if (has_spread) {
+    const int factor = outline.band.width() == 1
+                           ? std::max(frame.codes.width(), frame.codes.height())
+                           : frame.codes.width() / outline.band.width();
+    figures.edge_px = acquisition_detail::edge_spread_px(frame.codes, outline.band, factor);
   }
   return figures;
 }
 
 std::string rejection_of(const PictureFigures& figures,
                          const PictureLimits& limits,
-                         double sharpest) {
-  if (const std::string fault = exposure_fault(figures, limits); !fault.empty()) {
+                         double sharpest,
+                         double most_blur_px) {
+  if (std::string fault = exposure_fault(figures, limits); !fault.empty()) {
     return fault;
   }
-  if (figures.sharpness < limits.min_sharpness) {
-    return fmt::format(
-        "blurred: sharpness {:.3g}, {:.3g} is needed", figures.sharpness, limits.min_sharpness);
-  }
-  if (figures.sharpness < limits.min_sharpness_share * sharpest) {
-    return fmt::format("blurred: sharpness {:.3g}, the sharpest of its sequence has {:.3g}",
-                       figures.sharpness,
-                       sharpest);
+  if (std::string fault = blur_fault(figures, limits, sharpest, most_blur_px); !fault.empty()) {
+    return fault;
   }
   if (figures.outline_share < limits.min_outline_share) {
     return fmt::format("the part is not in view: {:.0f} % of its outline is seen, {:.0f} % must be",

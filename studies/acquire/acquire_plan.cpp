@@ -134,8 +134,11 @@ std::vector<ViewTask> tasks_of(const ViewPlan& views,
       task.lights = shining_lights(*source.scene);
     }
     if (!expected.masks.empty()) {
-      task.expected = expected.masks[i];
-      task.tolerance_px = expected.tolerance_px;
+      // The stripes of a scan may be less sharp than the part: its sequence is compared with
+      // itself.
+      const double blur_px = num_positions == 1 ? expected.blur_px[i] : 0.0;
+      task.expected = {
+          .part = expected.masks[i], .tolerance_px = expected.tolerance_px, .blur_px = blur_px};
     }
     check_lights(task.lights, cell);
     task.positions.resize(static_cast<std::size_t>(num_positions));

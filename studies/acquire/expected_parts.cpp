@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "simulator/camera/lens_settings.h"
 #include "simulator/camera/pinhole_camera.h"
+#include "simulator/camera/thin_lens_camera.h"
 #include "studies/imaging/built_part.h"
 #include "studies/reach/scene_cell.h"
 
@@ -46,6 +48,25 @@ Mask mask_of(const PinholeCamera& camera,
   return mask;
 }
 
+/// The sensor's blur, and that of a disc for the part's point which is farthest out of focus.
+double blur_of(const SceneSettings& scene,
+               const BuiltPart& part,
+               const RigidTransform& scene_from_camera) {
+  constexpr double kSigmaOfDisc = 0.25;  ///< of its diameter, along one axis
+  const LensGeometry lens = lens_geometry(scene.camera, scene.lens);
+  const RigidTransform camera_from_scene = inverse(scene_from_camera);
+  double circle_mm = 0.0;
+  for (const Eigen::Vector3d& point_mm : part.part.mesh.vertices_mm) {
+    const double depth_mm = (camera_from_scene * point_mm).z();
+    if (lens.aperture_mm > 0.0 && depth_mm > 0.0) {
+      circle_mm = std::max(circle_mm,
+                           circle_of_confusion_mm(
+                               lens.aperture_mm, lens.focus_mm, lens.image_distance_mm, depth_mm));
+    }
+  }
+  return std::hypot(scene.sensor.blur_px, kSigmaOfDisc * circle_mm / scene.camera.pixel_mm);
+}
+
 }  // namespace
 
 ExpectedParts expected_parts(const SceneSettings& scene,
@@ -65,6 +86,7 @@ ExpectedParts expected_parts(const SceneSettings& scene,
     expected.masks.push_back(view.outcome == ViewOutcome::kPlanned
                                  ? mask_of(camera, factor, part, scene_from_camera)
                                  : Mask());
+    expected.blur_px.push_back(blur_of(scene, part, scene_from_camera));
   }
   const double distance_mm = scene.camera.working_distance_mm;
   const double sigma_mm = std::hypot(sigma_or(chain.camera.sigma_mm, kUnknownMm),

@@ -17,6 +17,9 @@ struct ExpectedParts {
   /// Of each view a picture reduced to at most 160 pixels of width, true on the part; empty where
   /// it cannot be told.
   std::vector<Mask> masks;
+  /// Of each view the sigma of the part's edges as the camera blurs them [px], those farthest out
+  /// of focus; as many as masks.
+  std::vector<double> blur_px;
   double tolerance_px = 0.0;  ///< of the camera's own pixels: three sigma of what places it there
 };
 

@@ -87,8 +87,56 @@ TEST(FiguresOf, SeeThePartWhereItShouldBeAndMissItElsewhere) {
       return x >= x0 && x < x0 + 20 && y >= 10 && y < 30 ? 120.0 : 20.0;
     });
   };
-  EXPECT_GT(figures_of(part_at(20), expected).outline_share, 0.99);
-  EXPECT_LT(figures_of(part_at(0), expected).outline_share, 0.35);
+  EXPECT_GT(figures_of(part_at(20), {.part = expected}).outline_share, 0.99);
+  EXPECT_LT(figures_of(part_at(0), {.part = expected}).outline_share, 0.35);
+}
+
+/// A bright square whose edges are Gaussian steps of that sigma, with noise of one code, 12 px from
+/// where it is expected; the right half of the background rises evenly.
+Frame soft_square(double sigma_px) {
+  Rng random(4, Stream::kTest, 0);
+  const auto step = [](double from_px, double sigma) {
+    return 0.5 * (1.0 + std::erf(from_px / (std::sqrt(2.0) * sigma)));
+  };
+  return frame_of(300, 240, [&](int x, int y) {
+    const double along_x = step(x - 92.0, sigma_px) * step(212.0 - x, sigma_px);
+    const double along_y = step(y - 60.0, sigma_px) * step(180.0 - y, sigma_px);
+    return 20.0 + 0.1 * std::max(0, x - 150) + 140.0 * along_x * along_y + random.normal();
+  });
+}
+
+TEST(FiguresOf, TellHowWideTheEdgesOfASinglePictureAre) {
+  ExpectedPicture expected = {.part = Mask(100, 80), .tolerance_px = 15.0, .blur_px = 0.8};
+  for (int y = 20; y < 60; ++y) {
+    for (int x = 27; x < 67; ++x) {
+      expected.part(x, y) = 1;
+    }
+  }
+  for (const double sigma_px : {0.7, 1.5, 3.0, 5.0}) {
+    const PictureFigures figures = figures_of(soft_square(sigma_px), expected, true);
+    ASSERT_TRUE(figures.edge_px) << sigma_px;
+    EXPECT_NEAR(*figures.edge_px, sigma_px, 0.1 + 0.1 * sigma_px);
+    const PictureFigures anywhere = figures_of(soft_square(sigma_px), {}, true);
+    ASSERT_TRUE(anywhere.edge_px) << sigma_px;
+    EXPECT_NEAR(*anywhere.edge_px, sigma_px, 0.1 + 0.1 * sigma_px);
+  }
+  EXPECT_FALSE(figures_of(soft_square(0.7), expected).edge_px) << "nobody asked";
+  const Frame even = frame_of(300, 240, [](int x, int) { return 100.0 + 0.2 * x; });
+  EXPECT_FALSE(figures_of(even, {}, true).edge_px) << "no edges";
+}
+
+TEST(RejectionOf, NamesASinglePictureThatIsBlurred) {
+  const PictureLimits limits;
+  EXPECT_EQ(blur_limit_px(limits, 0.0), 0.0) << "nobody knows how sharp it can be";
+  EXPECT_NEAR(blur_limit_px(limits, 0.8), 2.1, 1e-12);
+  EXPECT_EQ(blur_limit_px({.max_blur_px = 3.0}, 0.8), 3.0);
+  PictureFigures picture = {.mean = 0.3, .bright = 0.8, .sharpness = 0.1, .edge_px = 2.0};
+  EXPECT_EQ(rejection_of(picture, limits, 0.0, 2.1), "");
+  picture.edge_px = 2.2;
+  EXPECT_THAT(rejection_of(picture, limits, 0.0, 2.1), HasSubstr("blurred: its edges"));
+  EXPECT_EQ(rejection_of(picture, limits, 0.0), "");
+  picture.edge_px.reset();
+  EXPECT_EQ(rejection_of(picture, limits, 0.0, 2.1), "");
 }
 
 // The expected outline from a picture of a third of the size, 15 px from where the part is.
@@ -102,10 +150,10 @@ TEST(FiguresOf, SeeThePartThatIsAsFarOffAsItMayBe) {
   const Frame frame = frame_of(181, 121, [](int x, int y) {
     return x >= 75 && x < 135 && y >= 30 && y < 90 ? 120.0 : 20.0;
   });
-  EXPECT_GT(figures_of(frame, expected, 18.0).outline_share, 0.99);
-  EXPECT_LT(figures_of(frame, expected).outline_share, 0.7);
+  EXPECT_GT(figures_of(frame, {.part = expected, .tolerance_px = 18.0}).outline_share, 0.99);
+  EXPECT_LT(figures_of(frame, {.part = expected}).outline_share, 0.7);
   const Frame none = frame_of(181, 121, [](int x, int) { return x < 100 ? 22.0 : 20.0; });
-  EXPECT_LT(figures_of(none, expected, 18.0).outline_share, 0.5);
+  EXPECT_LT(figures_of(none, {.part = expected, .tolerance_px = 18.0}).outline_share, 0.5);
 }
 
 }  // namespace

@@ -230,6 +230,7 @@ AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_
   check_names(work.plan.tasks);
   work.plan.camera = camera_configuration_of(camera_of(cell));
   work.digest = plan_digest(work, source, cell);
+  work.grounds = picture_grounds(source.scene ? &*source.scene : nullptr, cell);
   return work;
 }
 

@@ -11,6 +11,7 @@
 
 #include "hardware/acquisition/acquisition.h"
 #include "hardware/planning/view_plan.h"
+#include "studies/acquire/picture_grounds.h"
 #include "studies/cell/cell_file.h"
 #include "studies/definition/scene.h"
 
@@ -35,6 +36,7 @@ struct AcquireWork {
   int num_positions = 1;  ///< of each view
   double step_mm = 0.0;   ///< of the scene's scan; 0 without
   std::string digest;     ///< plan_digest()
+  PictureGrounds grounds;
 };
 
 /// @throws ConfigError when paths do not join, a leg leaves the box, or the cell lacks a light or a

@@ -129,7 +129,8 @@ bool is_there(const std::vector<AcquiredPicture>& pictures, const ViewTask& task
 
 /// Every picture that is wanted is there, as it was taken.
 bool is_whole(const Prepared& ready) {
-  const std::vector<AcquiredPicture> there = whole_pictures(ready.folder, ready.digest);
+  const std::vector<AcquiredPicture> there =
+      whole_pictures(ready.folder, ready.digest, ready.work.grounds);
   return std::ranges::all_of(ready.work.plan.tasks, [&](const ViewTask& task) {
     return std::ranges::all_of(task.positions,
                                [&](int position) { return is_there(there, task, position); });
@@ -239,7 +240,7 @@ class Session {
       : ready_(ready),
         options_(options),
         devices_(devices),
-        journal_(ready.folder, ready.work.digest, ready.digest),
+        journal_(ready.folder, ready.work.digest, ready.digest, ready.work.grounds),
         files_(ready.folder, journal_, ready.work, ready.cell) {
     head_ = {{"schema", 1}, {"kind", "acquired"}, {"status", "partial"}};
     write_inputs(ready, head_);
@@ -306,8 +307,8 @@ class Session {
 Json describe_acquisition(const AcquireOptions& options) {
   const Prepared ready = prepare(options);
   const Json next = described_step(ready, options);
-  const Json views =
-      described_tasks(ready.work.plan.tasks, whole_pictures(ready.folder, ready.digest));
+  const Json views = described_tasks(
+      ready.work.plan.tasks, whole_pictures(ready.folder, ready.digest, ready.work.grounds));
   int pictures = 0;
   for (const Json& view : views) {
     pictures += view["pictures"].get<int>();

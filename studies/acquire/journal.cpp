@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -29,6 +31,8 @@ CREATE TABLE IF NOT EXISTS session(
 CREATE TABLE IF NOT EXISTS picture(
   number INTEGER PRIMARY KEY, session INTEGER NOT NULL, file TEXT NOT NULL UNIQUE,
   object TEXT NOT NULL); -- as in acquired.json
+CREATE TABLE IF NOT EXISTS ground(
+  name TEXT PRIMARY KEY, value TEXT NOT NULL); -- an empty name: they have been recorded
 )sql";
 
 /// A descriptor that is closed.
@@ -70,6 +74,43 @@ void check_plan(const fs::path& folder, const std::string& known, const std::str
   }
 }
 
+/// Those that a folder was begun with; none: nobody recorded them.
+std::optional<PictureGrounds> recorded_grounds(Database& database) {
+  if (database.integer("SELECT count(*) FROM sqlite_master WHERE name = 'ground'") == 0) {
+    return std::nullopt;
+  }
+  PictureGrounds grounds;
+  Statement rows(database, "SELECT name, value FROM ground");
+  while (rows.step()) {
+    grounds[rows.text(0)] = rows.text(1);
+  }
+  return grounds.erase("") > 0 ? std::optional(std::move(grounds)) : std::nullopt;
+}
+
+void check_grounds(const fs::path& folder, Database& database, const PictureGrounds& now) {
+  const std::optional<PictureGrounds> there = recorded_grounds(database);
+  const std::string difference = there ? ground_difference(*there, now) : "";
+  if (!difference.empty()) {
+    throw ConfigError(
+        fmt::format("{}: holds pictures of another part, or by a camera that was set otherwise: "
+                    "{}; name another folder",
+                    folder.string(),
+                    difference));
+  }
+}
+
+void record_grounds(Database& database, PictureGrounds grounds) {
+  if (recorded_grounds(database)) {
+    return;
+  }
+  grounds[""] = "";
+  Transaction all(database);
+  for (const auto& [name, value] : grounds) {
+    Statement(database, "INSERT INTO ground VALUES (?, ?)").bind(name).bind(value).run();
+  }
+  all.commit();
+}
+
 }  // namespace
 
 std::string recorded_digest(const fs::path& folder) {
@@ -96,7 +137,9 @@ int recorded_sessions(const fs::path& folder) {
   }
 }
 
-std::vector<AcquiredPicture> whole_pictures(const fs::path& folder, const std::string& digest) {
+std::vector<AcquiredPicture> whole_pictures(const fs::path& folder,
+                                            const std::string& digest,
+                                            const PictureGrounds& grounds) {
   std::vector<AcquiredPicture> whole;
   if (!fs::exists(folder / "journal.sqlite")) {
     return whole;
@@ -104,6 +147,7 @@ std::vector<AcquiredPicture> whole_pictures(const fs::path& folder, const std::s
   try {
     Database database(folder / "journal.sqlite", Database::Access::kReadOnly);
     check_plan(folder, database.text("SELECT digest FROM run"), digest);
+    check_grounds(folder, database, grounds);
     Statement rows(database, "SELECT object FROM picture ORDER BY number");
     while (rows.step()) {
       AcquiredPicture picture = picture_of_json(Json::parse(rows.text(0), nullptr, false));
@@ -143,7 +187,8 @@ struct AcquireJournal::Rows {
 
 AcquireJournal::AcquireJournal(fs::path folder,
                                const std::string& plan_digest,
-                               const std::string& former_digest)
+                               const std::string& former_digest,
+                               const PictureGrounds& grounds)
     : folder_(std::move(folder)), rows_(std::make_unique<Rows>(folder_)) {
   Database& database = rows_->database;
   const std::string known = database.text("SELECT digest FROM run");
@@ -152,9 +197,11 @@ AcquireJournal::AcquireJournal(fs::path folder,
   } else {
     check_plan(folder_, known, plan_digest);
   }
+  check_grounds(folder_, database, grounds);
   if (known.empty()) {
     Statement(database, "INSERT INTO run VALUES (1, 1, ?)").bind(plan_digest).run();
   }
+  record_grounds(database, grounds);
   rows_->session = database.integer("SELECT max(number) FROM session") + 1;
   Statement(database, "INSERT INTO session VALUES (?, 0)").bind(rows_->session).run();
   repair();

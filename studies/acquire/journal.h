@@ -17,14 +17,16 @@
 #include <vector>
 
 #include "studies/acquire/acquired.h"
+#include "studies/acquire/picture_grounds.h"
 
 namespace glint {
 
 /// The pictures that a folder has whole: with a row, and bytes of its SHA-256. Changes nothing.
 /// @return  none without a journal, or where it cannot be read
-/// @throws ConfigError when the folder holds pictures of another plan
+/// @throws ConfigError when the folder holds pictures of another plan or other grounds
 std::vector<AcquiredPicture> whole_pictures(const std::filesystem::path& folder,
-                                            const std::string& plan_digest);
+                                            const std::string& plan_digest,
+                                            const PictureGrounds& grounds = {});
 
 /// The digest that a folder's pictures were taken under; empty: it has none, or cannot be read.
 std::string recorded_digest(const std::filesystem::path& folder);
@@ -38,10 +40,14 @@ class AcquireJournal {
   /// @param plan_digest    of everything that decides what is taken from where
   /// @param former_digest  under which pictures in the folder count as those of this plan, too:
   ///                       from now on they are recorded under plan_digest; empty: none
-  /// @throws ConfigError when the folder holds pictures of another plan, IoError
+  /// @param grounds        picture_grounds(); a folder of an earlier program, which knew none,
+  /// takes
+  ///                       them over
+  /// @throws ConfigError when the folder holds pictures of another plan or other grounds, IoError
   AcquireJournal(std::filesystem::path folder,
                  const std::string& plan_digest,
-                 const std::string& former_digest = "");
+                 const std::string& former_digest = "",
+                 const PictureGrounds& grounds = {});
   ~AcquireJournal();
   AcquireJournal(const AcquireJournal&) = delete;
   AcquireJournal& operator=(const AcquireJournal&) = delete;

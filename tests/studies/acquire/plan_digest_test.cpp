@@ -27,7 +27,7 @@ void write_pictures(const AcquireOptions& options, const std::string& digest = "
   const Cell cell = read_cell(options.cell);
   const AcquireWork work = work_of(read_source(options.source), cell, options.speed_share);
   make_folder(options.out);
-  AcquireJournal journal(options.out, digest.empty() ? work.digest : digest);
+  AcquireJournal journal(options.out, digest.empty() ? work.digest : digest, "", work.grounds);
   journal.keep({.view = work.plan.tasks.front().name, .file = "views/view_1/frame_000.png"},
                "bytes of a picture");
   write_file(options.out / "acquired.json",
@@ -84,6 +84,53 @@ TEST_F(PrototypesOfARun, HaveNoPicturesOfAnotherPower) {
   EXPECT_THROW(describe_acquisition(options), ConfigError) << "power of the bar";
 }
 
+/// What is said where the pictures of this work are looked for.
+std::string refusal(const AcquireOptions& options) {
+  try {
+    describe_acquisition(options);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// Tour, lights and exposures are those of the other part, too.
+TEST_F(PrototypesOfARun, HaveNoPicturesOfAnotherPartOrByAnotherSetCamera) {
+  const std::string cell = kLonelyCell;
+  write_file(folder_ / "cell.toml", cell);
+  AcquireOptions options = {.source = scene("wide"), .cell = folder_ / "cell.toml"};
+  options.out = folder_ / "out";
+  write_pictures(options);
+  EXPECT_EQ(refusal(options), "");
+  std::string longer = scene_text(60);
+  longer.replace(longer.find("length_mm = 40"), 14, "length_mm = 41");
+  write_file(scene("wide"), longer);
+  EXPECT_THAT(refusal(options),
+              testing::AllOf(HasSubstr("[part] length_mm is 40"), HasSubstr("and 41")));
+  write_file(scene("wide"), scene_text(60));
+  write_file(folder_ / "cell.toml", cell + "[camera.features]\nGamma = 0.5\n");
+  EXPECT_THAT(refusal(options), HasSubstr("[camera.features] Gamma is not set there, and 0.5"));
+}
+
+// The file's name does not tell what is in it.
+TEST(PictureGrounds, KnowAMeshByWhatItsFileHolds) {
+  const TemporaryFolder folder;
+  write_file(folder / "cell.toml", kLonelyCell);
+  const Cell cell = read_cell(folder / "cell.toml");
+  SceneSettings scene;
+  scene.part.shape = PartSettings::Shape::kMesh;
+  const auto grounds = [&](const std::string& name, const std::string& bytes) {
+    write_file(folder / name, bytes);
+    scene.part.file = folder / name;
+    return picture_grounds(&scene, cell);
+  };
+  const PictureGrounds first = grounds("a.stl", "solid a");
+  EXPECT_EQ(ground_difference(first, grounds("b.stl", "solid a")), "");
+  EXPECT_THAT(ground_difference(first, grounds("a.stl", "solid b")),
+              HasSubstr("[part] file is SHA-256"));
+  EXPECT_EQ(ground_difference(first, picture_grounds(nullptr, cell)), "") << "no part is named";
+}
+
 /// As programs before powers counted made it.
 std::string former_digest(const AcquireOptions& options) {
   const Cell cell = read_cell(options.cell);
@@ -117,7 +164,9 @@ TEST_F(PrototypesOfARun, FindTheirPicturesOfEarlierPrograms) {
       << "the scene that it keeps was brighter";
   write_file(options.out / "scene.toml", scene_text(60));
   EXPECT_NO_THROW(describe_acquisition(options));
-  AcquireJournal(options.out, former_digest(options)).end_session();
+  const AcquireWork work =
+      work_of(read_source(options.source), read_cell(options.cell), options.speed_share);
+  AcquireJournal(options.out, former_digest(options), "", work.grounds).end_session();
   EXPECT_THROW(describe_acquisition(options), ConfigError)
       << "the scene is that of a session that took nothing: the pictures may be others";
 }
@@ -134,8 +183,10 @@ TEST_F(PrototypesOfARun, FindTheirPicturesOfEarlierProgramsAgain) {
   const AcquireWork work = work_of(read_source(options.source), cell, options.speed_share);
   for (int session = 0; session < 2; ++session) {
     EXPECT_TRUE(describe_acquisition(options)["next"].is_null()) << session;
-    AcquireJournal journal(
-        options.out, work.digest, session == 0 ? former_digest(options) : work.digest);
+    AcquireJournal journal(options.out,
+                           work.digest,
+                           session == 0 ? former_digest(options) : work.digest,
+                           work.grounds);
     EXPECT_EQ(journal.pictures().size(), 1U);
     EXPECT_EQ(recorded_digest(options.out), work.digest);
   }

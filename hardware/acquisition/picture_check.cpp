@@ -204,8 +204,7 @@ bool is_of_picture(const Mask& mask, const Codes& codes) {
 /// Why a picture is not sharp enough; empty when it is.
 std::string blur_fault(const PictureFigures& figures,
                        const PictureLimits& limits,
-                       double sharpest,
-                       double most_blur_px) {
+                       double sharpest) {
   if (figures.sharpness < limits.min_sharpness) {
     return fmt::format(
         "blurred: sharpness {:.3g}, {:.3g} is needed", figures.sharpness, limits.min_sharpness);
@@ -214,11 +213,6 @@ std::string blur_fault(const PictureFigures& figures,
     return fmt::format("blurred: sharpness {:.3g}, the sharpest of its sequence has {:.3g}",
                        figures.sharpness,
                        sharpest);
-  }
-  if (most_blur_px > 0.0 && figures.edge_px && *figures.edge_px > most_blur_px) {
-    return fmt::format("blurred: its edges have a sigma of {:.1f} px, {:.1f} px is the most",
-                       *figures.edge_px,
-                       most_blur_px);
   }
   return {};
 }
@@ -317,13 +311,19 @@ std::string rejection_of(const PictureFigures& figures,
   if (std::string fault = exposure_fault(figures, limits); !fault.empty()) {
     return fault;
   }
-  if (std::string fault = blur_fault(figures, limits, sharpest, most_blur_px); !fault.empty()) {
+  if (std::string fault = blur_fault(figures, limits, sharpest); !fault.empty()) {
     return fault;
   }
   if (figures.outline_share < limits.min_outline_share) {
     return fmt::format("the part is not in view: {:.0f} % of its outline is seen, {:.0f} % must be",
                        100.0 * figures.outline_share,
                        100.0 * limits.min_outline_share);
+  }
+  // Last: edges beside a part that is not there are none of its outline.
+  if (most_blur_px > 0.0 && figures.edge_px && *figures.edge_px > most_blur_px) {
+    return fmt::format("blurred: its edges have a sigma of {:.1f} px, {:.1f} px is the most",
+                       *figures.edge_px,
+                       most_blur_px);
   }
   return {};
 }

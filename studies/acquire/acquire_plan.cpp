@@ -165,8 +165,8 @@ bool lies_in_cell(const AcquireSource& source) {
          (source.scene->cell->base_from_part || source.scene->cell->flange_from_part);
 }
 
-std::optional<CalibrationSettings> own_calibration(const AcquireSource& source) {
-  return source.scene ? source.scene->calibration : std::nullopt;
+const SceneSettings* scene_of(const AcquireSource& source) {
+  return source.scene ? &*source.scene : nullptr;
 }
 
 ViewPlan views_of(const AcquireSource& source, const Cell& cell, double speed_share) {
@@ -176,13 +176,13 @@ ViewPlan views_of(const AcquireSource& source, const Cell& cell, double speed_sh
   if (lies_in_cell(source)) {
     return plan_scene(*source.scene, cell).plan;
   }
-  return plan_of_cell_views(cell, speed_share, own_calibration(source));
+  return plan_of_cell_views(cell, speed_share, scene_of(source));
 }
 
 /// A plan may have been made for another cell, or before something was put into this one.
 void check_free(const ViewPlan& plan, const AcquireSource& source, const Cell& cell) {
   const PlanningCell planned = lies_in_cell(source) ? planning_cell_of(*source.scene, cell)
-                                                    : planning_cell(cell, own_calibration(source));
+                                                    : planning_cell(cell, scene_of(source));
   const std::string touch = obstruction(planned, plan);
   if (!touch.empty()) {
     throw ConfigError(
@@ -230,7 +230,7 @@ AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_
   check_names(work.plan.tasks);
   work.plan.camera = camera_configuration_of(camera_of(cell));
   work.digest = plan_digest(work, source, cell);
-  work.grounds = picture_grounds(source.scene ? &*source.scene : nullptr, cell);
+  work.grounds = picture_grounds(scene_of(source), cell);
   return work;
 }
 

@@ -20,10 +20,8 @@ bool is_in_joint_limits(const PlanningCell& cell, const JointVector& joints_rad)
 /// The views one after the other, each by the joints that the cell's file has.
 class TaughtViews {
  public:
-  TaughtViews(const Cell& cell,
-              double speed_share,
-              const std::optional<CalibrationSettings>& calibration)
-      : planned_(planning_cell(cell, calibration)),
+  TaughtViews(const Cell& cell, double speed_share, const SceneSettings* scene)
+      : planned_(planning_cell(cell, scene)),
         clearance_(planned_),
         routes_(planned_, clearance_),
         share_(speed_share) {
@@ -109,10 +107,8 @@ class TaughtViews {
 
 }  // namespace
 
-ViewPlan plan_of_cell_views(const Cell& cell,
-                            double speed_share,
-                            const std::optional<CalibrationSettings>& calibration) {
-  return TaughtViews(cell, speed_share, calibration).plan(cell.views);
+ViewPlan plan_of_cell_views(const Cell& cell, double speed_share, const SceneSettings* scene) {
+  return TaughtViews(cell, speed_share, scene).plan(cell.views);
 }
 
 }  // namespace glint

@@ -187,6 +187,18 @@ PlanningCell bare_cell(const Cell& cell) {
   return planned;
 }
 
+/// Of a scene whose own frame is nowhere in the cell.
+void add_lights_at_camera(const SceneSettings& scene,
+                          const CellChain& chain,
+                          double thickness_mm,
+                          PlanningCell& planned) {
+  for (SolidBody& body : light_bodies(scene, thickness_mm)) {
+    if (body.kind == Kind::kCarried) {  // by the camera
+      add_body(std::move(body), chain.is_in_hand, chain.carrier_from_camera, planned);
+    }
+  }
+}
+
 /// With the camera, what the flange carries beside it, and what stands.
 void add_bodies(const Cell& cell, const CellChain& chain, PlanningCell& planned) {
   if (chain.is_in_hand) {
@@ -247,8 +259,9 @@ PlanningCell planning_cell(const Cell& cell, const SceneSettings& scene, const T
   return planned;
 }
 
-PlanningCell planning_cell(const Cell& cell, const std::optional<CalibrationSettings>& own) {
-  const auto calibration = calibration_of(own, cell);
+PlanningCell planning_cell(const Cell& cell, const SceneSettings* scene) {
+  const auto calibration =
+      calibration_of(scene != nullptr ? scene->calibration : std::nullopt, cell);
   if (!calibration && !cell.planning.settings.camera_size_mm.empty()) {
     throw ConfigError(fmt::format(
         "{}: planning.camera_size_mm: where the camera is on the flange is not known, so the room "
@@ -258,6 +271,10 @@ PlanningCell planning_cell(const Cell& cell, const std::optional<CalibrationSett
   }
   PlanningCell planned = bare_cell(cell);
   add_bodies(cell, calibration ? camera_chain(*calibration) : CellChain(), planned);
+  if (scene != nullptr && calibration) {
+    add_lights_at_camera(
+        *scene, camera_chain(*calibration), cell.planning.settings.light_thickness_mm, planned);
+  }
   return planned;
 }
 

@@ -41,11 +41,14 @@ bool has_cell_chain(const SceneSettings& scene, const Cell& cell);
 ///         the flange holds which stand in it; IoError
 PlanningCell planning_cell(const Cell& cell, const SceneSettings& scene, const TriangleMesh& part);
 
-/// The same without a scene: arm, camera where a calibration has it, cable and bodies; obstacles.
-/// Lights have to be among the cell's own bodies and obstacles.
-/// @param own  of a scene; where it tells no camera, the file that the cell names does
+/// The same where no part lies in the cell: arm, camera where a calibration has it, with the lights
+/// of a scene that stand beside it, cable and bodies; obstacles. Lights that stand in the scene or
+/// about the part, and all of them where nothing tells the camera, have to be among the cell's own
+/// bodies and obstacles: nobody knows where they are.
+/// @param scene  null: none; where its own [calibration] tells no camera, the file that the cell
+///               names does
 /// @throws ConfigError when the camera takes room and neither tells where it is; IoError
-PlanningCell planning_cell(const Cell& cell, const std::optional<CalibrationSettings>& own = {});
+PlanningCell planning_cell(const Cell& cell, const SceneSettings* scene = nullptr);
 
 /// The viewpoints as they lie in the robot's base, "view_01" and so on.
 /// @param viewpoints  viewpoints_of() the scene

@@ -192,6 +192,35 @@ TEST_F(AcquirePlan, KeepsTheCameraClearWhereTheSceneHasIt) {
   EXPECT_EQ(work.plan.tasks.size(), 2U);
 }
 
+/// A bar far beside the camera, and what else kSceneWithCamera needs for it.
+std::string scene_with_bar(const std::string& mount) {
+  return fmt::format(
+      "{}[material]\ntype = \"diffuse\"\n[lighting.bar]\nmount = \"{}\"\n"
+      "position_mm = [150, -120, 0]\nlength_mm = 20\nwidth_mm = 20\nradiance = [1]\n",
+      kSceneWithCamera,
+      mount);
+}
+
+// By the arm's kinematics the bar is in the cube where the third view is taken, and the tool 150 mm
+// beside it. Where a bar stands about the part nobody knows its place, as the part lies nowhere.
+TEST_F(AcquirePlan, KeepsLightsAtTheCameraClear) {
+  const Cell cell =
+      cell_of(edited(kCell, "[0, -100, 100, -90, -90, 0]", "[0, -110, 70, -50, -90, 0]") +
+              "[[view]]\nname = \"right\"\njoints_deg = [-40, -95, 95, -85, -90, 0]\n"
+              "[[obstacle]]\nname = \"cube\"\nposition_mm = [-224, 237, 241]\n"
+              "size_mm = [20, 20, 20]\n");
+  const auto right_with = [&](const std::string& mount) {
+    write_file(folder_ / "scene.toml", scene_with_bar(mount));
+    const SceneSettings scene = load_study(folder_ / "scene.toml", {}).scene;
+    return plan_of_cell_views(cell, 0.5, &scene).views.at(2);
+  };
+  EXPECT_EQ(plan_of_cell_views(cell, 0.5).views.at(2).outcome, ViewOutcome::kPlanned);
+  EXPECT_EQ(right_with("part").outcome, ViewOutcome::kPlanned);
+  const PlannedView right = right_with("camera");
+  EXPECT_EQ(right.outcome, ViewOutcome::kCollision);
+  EXPECT_THAT(right.reason, testing::AllOf(HasSubstr("bar light"), HasSubstr("cube")));
+}
+
 constexpr const char* kPlan = R"({"schema": 1, "kind": "plan", "scene": "scene.toml",
  "cell": "cell.toml", "reach": {"share": 0.5, "margin_mm": 6}, "views": [
   {"name": "a", "outcome": "planned", "reason": "", "base_from_camera": [0, 0, 0, 0, 0, 0],

@@ -125,6 +125,17 @@ std::string recorded_digest(const fs::path& folder) {
   }
 }
 
+void check_recorded_grounds(const fs::path& folder, const PictureGrounds& grounds) {
+  if (!fs::exists(folder / "journal.sqlite")) {
+    return;
+  }
+  try {
+    Database database(folder / "journal.sqlite", Database::Access::kReadOnly);
+    check_grounds(folder, database, grounds);
+  } catch (const IoError&) {  // what is wrong with it is told when it is opened to be written
+  }
+}
+
 int recorded_sessions(const fs::path& folder) {
   if (!fs::exists(folder / "journal.sqlite")) {
     return 0;
@@ -146,8 +157,8 @@ std::vector<AcquiredPicture> whole_pictures(const fs::path& folder,
   }
   try {
     Database database(folder / "journal.sqlite", Database::Access::kReadOnly);
+    check_grounds(folder, database, grounds);  // first: it names what differs
     check_plan(folder, database.text("SELECT digest FROM run"), digest);
-    check_grounds(folder, database, grounds);
     Statement rows(database, "SELECT object FROM picture ORDER BY number");
     while (rows.step()) {
       AcquiredPicture picture = picture_of_json(Json::parse(rows.text(0), nullptr, false));
@@ -191,13 +202,13 @@ AcquireJournal::AcquireJournal(fs::path folder,
                                const PictureGrounds& grounds)
     : folder_(std::move(folder)), rows_(std::make_unique<Rows>(folder_)) {
   Database& database = rows_->database;
+  check_grounds(folder_, database, grounds);
   const std::string known = database.text("SELECT digest FROM run");
   if (!known.empty() && known == former_digest) {
     Statement(database, "UPDATE run SET digest = ?").bind(plan_digest).run();
   } else {
     check_plan(folder_, known, plan_digest);
   }
-  check_grounds(folder_, database, grounds);
   if (known.empty()) {
     Statement(database, "INSERT INTO run VALUES (1, 1, ?)").bind(plan_digest).run();
   }

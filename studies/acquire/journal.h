@@ -31,6 +31,10 @@ std::vector<AcquiredPicture> whole_pictures(const std::filesystem::path& folder,
 /// The digest that a folder's pictures were taken under; empty: it has none, or cannot be read.
 std::string recorded_digest(const std::filesystem::path& folder);
 
+/// Whether a folder's pictures are of these grounds; also where it has none, or recorded none.
+/// @throws ConfigError that names what differs
+void check_recorded_grounds(const std::filesystem::path& folder, const PictureGrounds& grounds);
+
 /// How many sessions a folder has seen, with pictures or without; 0: none, or it cannot be read.
 int recorded_sessions(const std::filesystem::path& folder);
 

@@ -2,6 +2,7 @@
 #include "studies/acquire/picture_grounds.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/config/config.h"
 #include "core/file.h"
@@ -18,6 +19,24 @@ std::string value_in(const PictureGrounds& grounds, const std::string& name) {
   return found == grounds.end() ? "not set" : found->second;
 }
 
+void add_camera(const CellCamera& camera, PictureGrounds& grounds) {
+  const std::string table = "[camera] ";
+  if (!camera.id.empty()) {
+    grounds[table + "id"] = camera.id;
+  }
+  if (camera.gain_db) {
+    grounds[table + "gain_db"] = fmt::format("{}", *camera.gain_db);
+  }
+  if (camera.gain_raw) {
+    grounds[table + "gain_raw"] = fmt::format("{}", *camera.gain_raw);
+  }
+  grounds[table + "pixel_format"] = fmt::format("{}", static_cast<int>(camera.pixel_format));
+  grounds[table + "region_px"] = fmt::format("[{}]", fmt::join(camera.region_px, ", "));
+  for (const CellFeature& feature : camera.features) {
+    grounds[kFeature + feature.name] = feature.value;
+  }
+}
+
 }  // namespace
 
 PictureGrounds picture_grounds(const SceneSettings* scene, const Cell& cell) {
@@ -32,9 +51,7 @@ PictureGrounds picture_grounds(const SceneSettings* scene, const Cell& cell) {
                                             : value_to_toml(part->items[i]);
     }
   }
-  for (const CellFeature& feature : camera_of(cell).features) {
-    grounds[kFeature + feature.name] = feature.value;
-  }
+  add_camera(camera_of(cell), grounds);
   return grounds;
 }
 
@@ -43,7 +60,7 @@ std::string ground_difference(const PictureGrounds& there, const PictureGrounds&
   all.insert(now.begin(), now.end());
   for (const auto& [name, value] : all) {
     const bool is_known = there.contains(name) && now.contains(name);
-    if (name.starts_with(kPart) && !is_known) {
+    if (!name.starts_with(kFeature) && !is_known) {
       continue;
     }
     if (value_in(there, name) != value_in(now, name)) {

@@ -8,7 +8,10 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "studies/acquire/acquire_plan.h"
+#include "studies/acquire/journal.h"
 #include "studies/acquire/light_difference.h"
+#include "studies/acquire/picture_grounds.h"
+#include "studies/cell/cell_file.h"
 #include "studies/cell/pose_numbers.h"
 
 namespace glint::calibrate_cell_detail {
@@ -31,9 +34,14 @@ std::optional<Json> ended_round(const std::filesystem::path& folder) {
 
 namespace {
 
-/// Pictures of an ended round that another prototype or power was seen by are none of this scene.
-void check_lights(const AcquireOptions& options) {
+/// Pictures of an ended round that another prototype or power was seen by are none of this scene,
+/// and those of another part, or by another camera, or one that was set otherwise, none of it or of
+/// this cell.
+void check_round(const AcquireOptions& options) {
   const AcquireSource source = read_source(options.source);
+  check_recorded_grounds(
+      options.out,
+      picture_grounds(source.scene ? &*source.scene : nullptr, read_cell(options.cell)));
   if (!source.scene) {
     return;
   }
@@ -56,7 +64,7 @@ Json acquire_round(const AcquireOptions& options,
   if (!ended) {
     return acquire_pictures(options, prototypes, permit);
   }
-  check_lights(options);
+  check_round(options);
   return std::move(*ended);
 }
 

@@ -22,7 +22,8 @@ std::optional<nlohmann::ordered_json> ended_round(const std::filesystem::path& f
 /// acquire_pictures(), but for a round that an earlier call has ended: it is not driven again, as
 /// the arm may stand on the tour of a later one.
 /// @return what acquired.json holds
-/// @throws ConfigError also where the ended round was seen by other lights than the source has
+/// @throws ConfigError also where the ended round was seen by other lights than the source has, is
+///         of another part, or by a camera that the cell has set otherwise by now
 nlohmann::ordered_json acquire_round(const AcquireOptions& options,
                                      MountedPrototypes& prototypes,
                                      const MotionPermit& permit);

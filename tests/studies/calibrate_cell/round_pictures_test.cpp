@@ -3,10 +3,14 @@
 
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/error.h"
 #include "core/file.h"
+#include "studies/acquire/journal.h"
+#include "studies/cell/typed_permit.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint::calibrate_cell_detail {
@@ -25,6 +29,41 @@ TEST(EndedRound, HasAtLeastOneAcceptedPicture) {
   EXPECT_FALSE(has_ended(R"({"status": "partial", "counts": {"wanted": 9, "accepted": 0}})"));
   EXPECT_FALSE(has_ended(R"({"status": "stopped", "counts": {"wanted": 9, "accepted": 3}})"));
   EXPECT_FALSE(has_ended("{"));
+}
+
+constexpr const char* kCameraCell = R"([camera]
+address = "127.0.0.1"
+region_px = [0, 0, 640, 480]
+[camera.features]
+BlackLevel = 0
+)";
+
+// It is not driven again: its pictures have to be by the camera as the cell has it now.
+TEST(EndedRound, IsByTheSameCamera) {
+  const TemporaryFolder folder;
+  const AcquireOptions options = {.cell = folder / "cell.toml", .out = folder / "round_1"};
+  make_folder(options.out);
+  write_file(options.cell, kCameraCell);
+  write_file(options.out / "acquired.json",
+             R"({"status": "complete", "counts": {"wanted": 9, "accepted": 9}})");
+  MountedPrototypes none({}, {});
+  const MotionPermit permit = typed_permit(true, "calibrate --cell");
+  const auto status = [&] { return acquire_round(options, none, permit)["status"]; };
+  EXPECT_EQ(status(), "complete") << "an earlier program recorded nothing of its camera";
+  const auto grounds = [&] { return picture_grounds(nullptr, read_cell(options.cell)); };
+  AcquireJournal(options.out, "plan", "", grounds()).end_session();
+  EXPECT_EQ(status(), "complete");
+  std::string text = kCameraCell;
+  text.replace(text.find("640"), 3, "800");
+  write_file(options.cell, text);
+  EXPECT_THAT(status,
+              testing::ThrowsMessage<ConfigError>(testing::HasSubstr(
+                  "[camera] region_px is [0, 0, 640, 480] there, and [0, 0, 800, 480] now")));
+  text = kCameraCell;
+  text.replace(text.find("BlackLevel = 0"), 14, "BlackLevel = 8");
+  write_file(options.cell, text);
+  EXPECT_THAT(status,
+              testing::ThrowsMessage<ConfigError>(testing::HasSubstr("BlackLevel is 0 there")));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ void check_any_taken(const ViewPlan& plan) {
   if (plan.paths.empty() && !plan.views.empty() &&
       plan.views.front().outcome != ViewOutcome::kPlanned) {
     const PlannedView& view = plan.views.front();
-    throw ConfigError(fmt::format(
+    throw NoViewTaken(fmt::format(
         "views: none can be taken; {}: {}: {}", view.name, name_of(view.outcome), view.reason));
   }
 }

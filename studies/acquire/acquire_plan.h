@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "hardware/acquisition/acquisition.h"
 #include "hardware/planning/view_plan.h"
 #include "studies/acquire/picture_grounds.h"
@@ -16,6 +17,12 @@
 #include "studies/definition/scene.h"
 
 namespace glint {
+
+/// The arm gets to none of the views.
+class NoViewTaken : public ConfigError {
+ public:
+  using ConfigError::ConfigError;
+};
 
 /// What is named on the command line.
 struct AcquireSource {
@@ -39,7 +46,8 @@ struct AcquireWork {
   PictureGrounds grounds;
 };
 
-/// @throws ConfigError when paths do not join, a leg leaves the box, or the cell lacks a light or a
+/// @throws NoViewTaken; ConfigError when paths do not join, a leg leaves the box, or the cell lacks
+/// a light or a
 ///         stage that the scene has
 AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_share);
 

@@ -46,7 +46,7 @@ nlohmann::ordered_json describe_acquisition(const AcquireOptions& options);
 /// connected before.
 /// @return what acquired.json holds, and "folder", "ok", "counts"; of a design that waits "status"
 ///         "waiting", "ok" false, and "next" with the "design" and what is to be done as "text"
-/// @throws ConfigError, IoError: before anything has moved
+/// @throws NoViewTaken, ConfigError, IoError: before anything has moved
 nlohmann::ordered_json acquire_pictures(const AcquireOptions& options, const MotionPermit& permit);
 
 /// The same for one design of several. @param prototypes  what is mounted, and then was mounted;

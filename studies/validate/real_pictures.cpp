@@ -67,7 +67,7 @@ RealDesign read_acquired_design(const std::string& name, const fs::path& folder)
   if (design.views.empty()) {
     const char* const why =
         acquired.views().empty() ? "has no accepted picture" : "has no view whose scan is whole";
-    throw ConfigError(fmt::format("{}: {}", (folder / "acquired.json").string(), why));
+    throw NoWholeView(fmt::format("{}: {}", (folder / "acquired.json").string(), why));
   }
   const auto rejected = std::ranges::count(acquired.pictures, false, &AcquiredPicture::is_accepted);
   if (rejected > 0) {

@@ -9,10 +9,18 @@
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "core/image/image.h"
 #include "core/pose.h"
 
 namespace glint {
+
+/// A folder that is as it should be, but has no picture that can be compared: all were rejected, or
+/// no scan is whole.
+class NoWholeView : public ConfigError {
+ public:
+  using ConfigError::ConfigError;
+};
 
 /// A picture of one view.
 struct RealView {
@@ -45,7 +53,9 @@ double camera_step(const RealView& view, const ImageF& real, int bits);
 
 /// Reads a folder of pictures: what `glint acquire` has written (acquired.json), or pictures and
 /// rendered views that carry the names of the design's views.
-/// @throws ConfigError for a folder without pictures, or an acquired.json that is none; IoError
+/// @throws NoWholeView; ConfigError for a folder without pictures, or an acquired.json that is
+/// none;
+///         IoError
 RealDesign read_real_design(const std::string& name, const std::filesystem::path& folder);
 
 }  // namespace glint

@@ -55,7 +55,12 @@ class ValidateRun {
         pool_(options.threads),
         store_(pool_),
         sources_(find_validated(
-            options.run, options.pictures, options.designs, options.calibration, store_)) {}
+            options.run, options.pictures, options.designs, options.calibration, store_)) {
+    for (const LeftOutDesign& design : options.left_out) {
+      sources_.left_out.push_back(design);
+      sources_.notes.push_back(fmt::format("{} is left out: {}", design.name, design.reason));
+    }
+  }
 
   Json execute() {
     check_folder();
@@ -246,15 +251,7 @@ class ValidateRun {
     if (fit.is_known) {
       scene.viewpoints = {
           viewpoint_of_pose(refitted_view(fit, budget_, edges_[view].camera_from_scene, view))};
-      PinholeIntrinsics in = intrinsics_of(scene);
-      in.focal_px += fit.lens.head<2>();
-      in.center_px += fit.lens.segment<2>(2);
-      for (std::size_t i = 0; i < 3; ++i) {
-        in.radial[i] += fit.lens[static_cast<Eigen::Index>(i) + 4];
-      }
-      in.tangential[0] += fit.lens[7];
-      in.tangential[1] += fit.lens[8];
-      put_intrinsics(in, scene);
+      put_lens_change(fit, scene);
     }
     return scene;
   }
@@ -366,6 +363,10 @@ class ValidateRun {
     result["designs"] = Json::array();
     for (std::size_t i = 0; i < sources_.designs.size(); ++i) {
       result["designs"].push_back(design_json(i));
+    }
+    result["left_out"] = Json::array();
+    for (const LeftOutDesign& design : sources_.left_out) {
+      result["left_out"].push_back({{"name", design.name}, {"reason", design.reason}});
     }
     result["ranking"] = findings_.ranking ? ranking_json(*findings_.ranking) : Json(nullptr);
     return result;

@@ -10,6 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/progress.h"
+#include "studies/validate/validated_designs.h"
 
 namespace glint {
 
@@ -19,7 +20,8 @@ struct ValidateOptions {
   std::filesystem::path out;          ///< empty: out/<name of the run>/validate
   std::filesystem::path calibration;  ///< calibration.toml; empty: what acquired.json names
   std::string designs;                ///< with commas between them; empty: as [validate] says
-  bool is_refitting = false;          ///< fits grey values in any case, scores all designs again
+  std::vector<LeftOutDesign> left_out = {};  ///< already, as no picture could be taken of them
+  bool is_refitting = false;  ///< fits grey values in any case, scores all designs again
   int threads = 1;
   Progress::Style progress = Progress::Style::kAuto;
 };

@@ -77,6 +77,9 @@ class Finder {
     for (const std::string& name : wanted(designs)) {
       add(name);
     }
+    if (sources_.designs.empty() && !sources_.left_out.empty()) {
+      throw ConfigError(sources_.left_out.front().reason);
+    }
     if (sources_.designs.empty()) {
       throw ConfigError(
           fmt::format("{}: holds no pictures of any design: looked for the folders {}",
@@ -121,6 +124,12 @@ class Finder {
     return names;
   }
 
+  /// Others go on without it.
+  void leave_out(const std::string& name, const std::string& reason) {
+    sources_.left_out.push_back({.name = name, .reason = reason});
+    sources_.notes.push_back(fmt::format("{} is left out: {}", name, reason));
+  }
+
   void add(const std::string& name) {
     const fs::path folder = pictures_ / name;
     if (!is_there(folder)) {
@@ -131,6 +140,14 @@ class Finder {
       return;
     }
     check_lights(name);
+    try {
+      add_pictured(name, folder);
+    } catch (const NoWholeView& error) {
+      leave_out(name, error.what());
+    }
+  }
+
+  void add_pictured(const std::string& name, const fs::path& folder) {
     // One after the other: GCC 12 destroys `nominal` twice where `.real` throws after a member that
     // was left out between them.
     auto nominal = load_scene(run_ / name / "scene.toml");

@@ -23,11 +23,18 @@ struct ValidatedDesign {
   std::vector<Viewpoint> views;          ///< with it
 };
 
+/// A design that was to be validated and has no picture that could be.
+struct LeftOutDesign {
+  std::string name;
+  std::string reason;
+};
+
 struct ValidationSources {
-  std::vector<ValidatedDesign> designs;  ///< at least one; the winner, if there is one, first
-  std::optional<Study> study;            ///< of the run; empty: its file is not there
-  std::vector<std::string> run_designs;  ///< all folders of designs in the run
-  bool is_calibrated = false;            ///< a calibration beside the designs' own was taken
+  std::vector<ValidatedDesign> designs;      ///< at least one; the winner, if there is one, first
+  std::optional<Study> study;                ///< of the run; empty: its file is not there
+  std::vector<std::string> run_designs;      ///< all folders of designs in the run
+  std::vector<LeftOutDesign> left_out = {};  ///< the notes tell of them, too
+  bool is_calibrated = false;                ///< a calibration beside the designs' own was taken
   std::vector<std::string> notes;
 };
 

@@ -212,4 +212,16 @@ GeometryBudget budget_of(const SceneSettings& scene, std::vector<std::string>& n
   return budget;
 }
 
+void put_lens_change(const GeometryFit& fit, SceneSettings& scene) {
+  PinholeIntrinsics in = intrinsics_of(scene);
+  in.focal_px += fit.lens.head<2>();
+  in.center_px += fit.lens.segment<2>(2);
+  for (std::size_t i = 0; i < 3; ++i) {
+    in.radial[i] += fit.lens[static_cast<Eigen::Index>(i) + 4];
+  }
+  in.tangential[0] += fit.lens[7];
+  in.tangential[1] += fit.lens[8];
+  put_intrinsics(in, scene);
+}
+
 }  // namespace glint

@@ -23,8 +23,11 @@ struct ValidateCellOptions {
 /// What the folders have already is not taken again: after an interruption it goes on. Designs
 /// whose prototypes are mounted come first; the next one waits for a person as in
 /// acquire_pictures().
-/// @return what validate_run() returns, or, where a design's pictures are not whole, what
-///         acquire_pictures() told of it with "design" and "agreement" null
+/// A design of which the arm gets to no view is left out, as is one whose pictures were all
+/// rejected; others go on.
+/// @return what validate_run() returns, or, where a design's acquisition was stopped or waits, or
+///         no design has an accepted picture, what acquire_pictures() told of it with "design" and
+///         "agreement" null
 /// @throws ConfigError before anything has moved, IoError
 nlohmann::ordered_json validate_in_cell(const ValidateCellOptions& options,
                                         const MotionPermit& permit);

@@ -92,6 +92,26 @@ TEST(Validate, ADeadLightAmongThreeDesignsDoesNotAgree) {
   EXPECT_TRUE(has_cause_of(result, "light_power", "dome")) << result["causes"];
 }
 
+// All of its pictures were rejected: the other one is judged.
+TEST(Validate, LeavesADesignWithoutAnyWholeViewOutByName) {
+  const TemporaryFolder folder;
+  make_trial(folder.path(), {.seed = 5}, {"ring", "dome"}, 1);
+  const fs::path acquired = folder.path() / "pictures/dome/acquired.json";
+  Json json = Json::parse(read_file(acquired));
+  for (Json& picture : json["pictures"]) {
+    picture["accepted"] = false;
+  }
+  write_file(acquired, json.dump());
+  const Json result = validate_trial(folder.path());
+  ASSERT_EQ(result["designs"].size(), 1U);
+  EXPECT_EQ(result["designs"][0]["name"], "ring");
+  ASSERT_EQ(result["left_out"].size(), 1U);
+  EXPECT_EQ(result["left_out"][0]["name"], "dome");
+  EXPECT_THAT(result["left_out"][0]["reason"].get<std::string>(),
+              HasSubstr("has no accepted picture"));
+  EXPECT_THAT(result["notes"].dump(), HasSubstr("dome is left out"));
+}
+
 // A tenth of a step: what is recorded are peaks of noise.
 TEST(Validate, ADesignOfATenthOfAStepCannotBeJudged) {
   const TemporaryFolder folder;

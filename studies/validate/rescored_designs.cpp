@@ -1,17 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/validate/rescored_designs.h"
 
+#include <algorithm>
 #include <optional>
+#include <set>
+#include <utility>
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
+#include "core/config/config.h"
 #include "core/error.h"
+#include "core/file.h"
 #include "core/log.h"
+#include "core/text.h"
 #include "optimizer/algorithm/merit.h"
+#include "optimizer/storage/storage.h"
 #include "studies/compare/camera/scene_camera.h"
 #include "studies/definition/scene_file.h"
 #include "studies/evaluation/evaluation.h"
+#include "studies/validate/common_exposure.h"
+#include "studies/validate/validate_result.h"
 #include "studies/validate/validated_scene.h"
 
 namespace glint {
@@ -43,33 +53,210 @@ Json json_of(const std::optional<double>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-/// Keeps the best so far: one that meets the limits before one that does not, as a search.
-struct Leader {
-  Score best;
+/// As a search: one that meets the limits before one that does not, one that has no score last.
+bool is_better(const Score& one, const Score& other, bool is_maximised) {
+  if (!one.objective || !other.objective) {
+    return one.objective.has_value() && !other.objective;
+  }
+  if (one.is_feasible != other.is_feasible) {
+    return one.is_feasible;
+  }
+  return is_maximised ? *one.objective > *other.objective : *one.objective < *other.objective;
+}
+
+constexpr std::size_t kTrials = 20;  ///< best of the search
+constexpr const char* kWinnersFolder = "winner";
+
+struct RescoredDesign {
   std::string name;
-
-  void see(const Score& other, const std::string& by, bool is_maximised) {
-    if (is_better(other, is_maximised)) {
-      best = other;
-      name = by;
-    }
-  }
-
-  bool is_better(const Score& other, bool is_maximised) const {
-    if (!other.objective || !best.objective) {
-      return other.objective.has_value();
-    }
-    if (other.is_feasible != best.is_feasible) {
-      return other.is_feasible;
-    }
-    return is_maximised ? *other.objective > *best.objective : *other.objective < *best.objective;
-  }
+  bool is_trial = false;  ///< of the search, without a folder of its own
+  SceneSettings scene;
+  Score before;
+  Score after;
 };
+
+std::string text_of(const SceneSettings& scene) {
+  return to_toml(write_scene(scene));
+}
+
+/// All search trials that have an objective, the best first.
+std::vector<Trial> ranked_trials(const std::filesystem::path& database, const Goal& goal) {
+  std::vector<Trial> trials = Storage::read(database).trials(TrialKind::kSearch);
+  std::erase_if(trials, [&goal](const Trial& trial) {
+    return !trial.outcome || trial.outcome->is_failed ||
+           !trial.outcome->scores.contains(goal.objective.name);
+  });
+  const auto score = [&goal](const Trial& trial) {
+    const Scores& scores = trial.outcome->scores;
+    return Score{.objective = scores.at(goal.objective.name),
+                 .is_feasible = is_feasible(goal, scores)};
+  };
+  std::ranges::stable_sort(trials, [&](const Trial& one, const Trial& other) {
+    return is_better(score(one), score(other), goal.objective.is_maximised);
+  });
+  return trials;
+}
+
+/// Adds the best trials of the run's search, but for those that are there by another name.
+void add_trials(const Study& study,
+                const std::filesystem::path& run,
+                std::vector<RescoredDesign>& designs) {
+  const std::filesystem::path database = run / "study.sqlite";
+  if (!study.has_search() || !is_there(database)) {
+    return;
+  }
+  std::set<std::string> known;
+  for (const RescoredDesign& design : designs) {
+    known.insert(text_of(design.scene));
+  }
+  std::size_t added = 0;
+  try {
+    for (const Trial& trial : ranked_trials(database, study.goal)) {
+      if (added == kTrials) {
+        break;
+      }
+      SceneSettings scene = scene_with(study, overrides_of(study, trial.point));
+      if (known.insert(text_of(scene)).second) {
+        designs.push_back({.name = fmt::format("trial {}", trial.number),
+                           .is_trial = true,
+                           .scene = std::move(scene)});
+        ++added;
+      }
+    }
+  } catch (const Error& error) {
+    log(LogLevel::kWarning, "trials of the search cannot be scored again: {}", error.what());
+  }
+}
+
+/// Names, the best first; those without a score are not among them.
+std::vector<std::string> order_of(const std::vector<RescoredDesign>& designs,
+                                  Score RescoredDesign::*score,
+                                  bool is_maximised) {
+  std::vector<const RescoredDesign*> sorted;
+  for (const RescoredDesign& design : designs) {
+    if ((design.*score).objective) {
+      sorted.push_back(&design);
+    }
+  }
+  std::ranges::stable_sort(sorted, [&](const RescoredDesign* one, const RescoredDesign* other) {
+    return is_better(one->*score, other->*score, is_maximised);
+  });
+  std::vector<std::string> names;
+  for (const RescoredDesign* design : sorted) {
+    names.push_back(design->name);
+  }
+  return names;
+}
+
+/// The run's winner, where it is among them, else the best before the refit; null: none is scored.
+const RescoredDesign* winner_of(const std::vector<RescoredDesign>& designs,
+                                const std::vector<std::string>& order) {
+  const auto has_name = [&designs](const std::string& name) {
+    return std::ranges::find(designs, name, &RescoredDesign::name);
+  };
+  const auto winner = has_name(kWinnersFolder);
+  if (winner != designs.end() && winner->before.objective) {
+    return &*winner;
+  }
+  return order.empty() ? nullptr : &*has_name(order.front());
+}
+
+/// The best of those that the refit lifts above the winner. Trials that noise alone had above it
+/// before, and has so still, are none. Null: the winner stays.
+const RescoredDesign* challenger_of(const std::vector<RescoredDesign>& designs,
+                                    const RescoredDesign& winner,
+                                    bool is_maximised) {
+  const RescoredDesign* best = nullptr;
+  for (const RescoredDesign& design : designs) {
+    const bool is_lifted = is_better(design.after, winner.after, is_maximised) &&
+                           !is_better(design.before, winner.before, is_maximised);
+    if (is_lifted && (best == nullptr || is_better(design.after, best->after, is_maximised))) {
+      best = &design;
+    }
+  }
+  return best;
+}
+
+Json row_of(const RescoredDesign& design) {
+  return {{"name", design.name},
+          {"of", design.is_trial ? "search" : "run"},
+          {"before", json_of(design.before.objective)},
+          {"after", json_of(design.after.objective)},
+          {"feasible_before", design.before.is_feasible},
+          {"feasible_after", design.after.is_feasible}};
+}
+
+std::string winner_text(const Json& rescored) {
+  const std::string winner = rescored["winner_before"].get<std::string>();
+  if (rescored["changed"].get<bool>()) {
+    return fmt::format(
+        "{} takes the place of {}", rescored["winner_after"].get<std::string>(), winner);
+  }
+  const bool is_first = rescored["order_after"][0] == winner;
+  return winner + " stays the winner" +
+         (is_first ? "" : ": what is ahead of it was so without the refit, too");
+}
+
+/// "... the order by homogeneity.h_rms is ring, trial 7, dome and 20 more; ring stays the winner."
+std::string order_text(const Json& rescored) {
+  constexpr std::size_t kTold = 5;
+  std::vector<std::string> names = rescored["order_after"].get<std::vector<std::string>>();
+  const std::size_t all = names.size();
+  names.resize(std::min(all, kTold));
+  return fmt::format("With what the refit has found, the order by {} is {}{}; {}.",
+                     rescored["objective"].get<std::string>(),
+                     join(names, ", "),
+                     all > kTold ? fmt::format(" and {} more", all - kTold) : "",
+                     winner_text(rescored));
+}
+
+Json rescored_json(const Study& study, const std::vector<RescoredDesign>& designs, Json rows) {
+  const bool is_maximised = study.goal.objective.is_maximised;
+  const auto before = order_of(designs, &RescoredDesign::before, is_maximised);
+  const auto after = order_of(designs, &RescoredDesign::after, is_maximised);
+  const RescoredDesign* const winner = winner_of(designs, before);
+  const RescoredDesign* const challenger =
+      winner == nullptr ? nullptr : challenger_of(designs, *winner, is_maximised);
+  const std::string name = winner == nullptr ? "" : winner->name;
+  Json json = {{"objective", study.goal.objective.name},
+               {"designs", std::move(rows)},
+               {"order_before", before},
+               {"order_after", after},
+               {"winner_before", name},
+               {"winner_after", challenger == nullptr ? name : challenger->name},
+               {"changed", challenger != nullptr}};
+  json["text"] = winner == nullptr || after.empty() ? "" : order_text(json);
+  return json;
+}
 
 }  // namespace
 
-SceneSettings refitted_scene(const SceneSettings& scene, const DesignRefit& refit) {
-  SceneSettings changed = changed_scene(scene, refit.change);
+DesignRefit refit_of(const ValidationFindings& findings, const GeometryBudget& budget) {
+  DesignRefit refit = {.change = common_change(findings)};
+  const GeometryFit& geometry = findings.geometry;
+  if (std::ranges::find(geometry.faults, GeometryFault::kPartPose) != geometry.faults.end()) {
+    refit.scene_from_part = moved_by(geometry.part);
+    refit.scene_from_part.translation_mm +=
+        budget.middle_mm - refit.scene_from_part.rotation * budget.middle_mm;
+  }
+  if (const GreyFit* cell = validate_detail::common_fit(findings.grey)) {
+    for (const DesignGrey& grey : findings.grey) {
+      if (grey.fit.is_known && validate_detail::has_other_power(grey.fit, *cell)) {
+        refit.exposures[grey.design] = grey.fit.change.exposure;
+      }
+    }
+  }
+  return refit;
+}
+
+SceneSettings refitted_scene(const SceneSettings& scene,
+                             const DesignRefit& refit,
+                             const std::string& design) {
+  SceneChange change = refit.change;
+  if (const auto own = refit.exposures.find(design); own != refit.exposures.end()) {
+    change.exposure = own->second;
+  }
+  SceneSettings changed = changed_scene(scene, change);
   // The part stays in the scene's frame, which everything else is told in: the camera moves.
   for (Viewpoint& viewpoint : changed.viewpoints) {
     viewpoint = viewpoint_of_pose(camera_from_world(viewpoint) * refit.scene_from_part);
@@ -80,31 +267,23 @@ SceneSettings refitted_scene(const SceneSettings& scene, const DesignRefit& refi
 Json rescore_designs(SceneStore& store,
                      const Study& study,
                      const std::filesystem::path& run,
-                     const std::vector<std::string>& designs,
+                     const std::vector<std::string>& names,
                      const DesignRefit& refit) {
   if (!study.has_objective || has_several_objectives(study.goal)) {
     return nullptr;
   }
-  Json rows = Json::array();
-  Leader before;
-  Leader after;
-  for (const std::string& name : designs) {
-    const SceneSettings scene = load_scene(run / name / "scene.toml");
-    const Score first = score_of(store, scene, study.goal);
-    const Score second = score_of(store, refitted_scene(scene, refit), study.goal);
-    before.see(first, name, study.goal.objective.is_maximised);
-    after.see(second, name, study.goal.objective.is_maximised);
-    rows.push_back({{"name", name},
-                    {"before", json_of(first.objective)},
-                    {"after", json_of(second.objective)},
-                    {"feasible_before", first.is_feasible},
-                    {"feasible_after", second.is_feasible}});
+  std::vector<RescoredDesign> designs;
+  for (const std::string& name : names) {
+    designs.push_back({.name = name, .scene = load_scene(run / name / "scene.toml")});
   }
-  return {{"objective", study.goal.objective.name},
-          {"designs", rows},
-          {"winner_before", before.name},
-          {"winner_after", after.name},
-          {"changed", before.name != after.name}};
+  add_trials(study, run, designs);
+  Json rows = Json::array();
+  for (RescoredDesign& design : designs) {
+    design.before = score_of(store, design.scene, study.goal);
+    design.after = score_of(store, refitted_scene(design.scene, refit, design.name), study.goal);
+    rows.push_back(row_of(design));
+  }
+  return rescored_json(study, designs, std::move(rows));
 }
 
 }  // namespace glint

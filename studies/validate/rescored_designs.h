@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// All designs of a run scored again with what a refit has found: did the winner change?
+// All designs of a study scored again with what a refit has found: did the winner change? All are
+// those that the run has written (winner, prototypes, finalists, baseline) and the 20 best trials
+// of its search.
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,7 +15,9 @@
 #include "core/pose.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/scene_store.h"
+#include "studies/validate/geometry_fit.h"
 #include "studies/validate/light_changes.h"
+#include "studies/validate/validate_verdict.h"
 
 namespace glint {
 
@@ -20,19 +25,29 @@ namespace glint {
 struct DesignRefit {
   SceneChange change;              ///< lights of a name that a design does not have are left out
   RigidTransform scene_from_part;  ///< motion of the part about the scene's origin
+  /// Of designs all of whose lights shine at another power: in the place of the change's exposure.
+  std::map<std::string, double> exposures = {};
 };
 
-/// The scene of a design with the refit put in: exposure, roughness, blur, lights, the part's pose.
-SceneSettings refitted_scene(const SceneSettings& scene, const DesignRefit& refit);
+/// What the findings of a validation change.
+DesignRefit refit_of(const ValidationFindings& findings, const GeometryBudget& budget);
 
-/// @param designs  folders of the run
-/// @return { objective, designs: [ { name, before, after } ], winner_before, winner_after, changed
-///         }; a score that cannot be had is null; null without an objective, and with several,
-///         which order no designs
+/// The scene of a design with the refit put in: exposure, roughness, blur, lights, the part's pose.
+/// @param design  its name
+SceneSettings refitted_scene(const SceneSettings& scene,
+                             const DesignRefit& refit,
+                             const std::string& design);
+
+/// @param names  of the run's folders of designs
+/// @return { objective, designs: [ { name, of ("run", "search"), before, after } ], order_before,
+///         order_after, winner_before, winner_after, changed, text }; a score that cannot be had is
+///         null, and the orders are without its design; changed: a design is ahead of the winner by
+///         the refit that was not before; null without an objective, and with several, which order
+///         no designs
 nlohmann::ordered_json rescore_designs(SceneStore& store,
                                        const Study& study,
                                        const std::filesystem::path& run,
-                                       const std::vector<std::string>& designs,
+                                       const std::vector<std::string>& names,
                                        const DesignRefit& refit);
 
 }  // namespace glint

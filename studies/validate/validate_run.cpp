@@ -383,22 +383,20 @@ class ValidateRun {
 
   /// The refit scene of each design as a file, and all designs scored with it.
   Json refit(const fs::path& stage) {
-    DesignRefit refit = {.change = common_change(findings_)};
-    if (std::ranges::find(findings_.geometry.faults, GeometryFault::kPartPose) !=
-        findings_.geometry.faults.end()) {
-      refit.scene_from_part = moved_by(findings_.geometry.part);
-      refit.scene_from_part.translation_mm +=
-          budget_.middle_mm - refit.scene_from_part.rotation * budget_.middle_mm;
-    }
+    const DesignRefit refit = refit_of(findings_, budget_);
     for (const ValidatedDesign& design : sources_.designs) {
       write_file(stage / design.name / "refit.toml",
-                 to_toml(write_scene(refitted_scene(design.scene, refit))));
+                 to_toml(write_scene(refitted_scene(design.scene, refit, design.name))));
     }
     Json json = change_json(refit.change);
+    json["exposures"] = refit.exposures;
     json["rescored"] =
         sources_.study
             ? rescore_designs(store_, *sources_.study, options_.run, sources_.run_designs, refit)
             : Json(nullptr);
+    if (!json["rescored"].is_null() && json["rescored"]["text"] != "") {
+      sources_.notes.push_back(json["rescored"]["text"].get<std::string>());
+    }
     return json;
   }
 

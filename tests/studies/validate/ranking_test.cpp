@@ -1,7 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/validate/ranking.h"
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "core/thread_pool.h"
+#include "optimizer/storage/storage.h"
+#include "studies/definition/study.h"
+#include "studies/imaging/scene_store.h"
+#include "studies/validate/rescored_designs.h"
+#include "tests/studies/validate/trial_cell.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {
@@ -46,6 +61,74 @@ TEST(Ranking, OfDesignsThatAreLevelCannotBeTold) {
 TEST(Ranking, MinimisesWhereAsked) {
   const Ranking ranking = rank_designs({design("a", 3, 2.8), design("b", 5, 4.6)}, false);
   EXPECT_EQ(ranking.real.front(), "a");
+}
+
+/// A run's folder with ring and dome, of which no pictures are taken, traced coarsely.
+Study coarse_run(const std::filesystem::path& folder, const std::string& study_tables) {
+  make_trial(folder, {}, {}, 0, study_tables);
+  Study study = load_study(folder / "run/study.resolved.toml", {});
+  study.scene.paths.samples = 2;
+  for (const char* name : {"ring", "dome"}) {
+    const std::filesystem::path file = folder / "run" / name / "scene.toml";
+    std::string text = read_file(file);
+    text.replace(text.find("samples = 16"), 12, "samples = 2");
+    write_file(file, text);
+  }
+  return study;
+}
+
+nlohmann::ordered_json rescored(const std::filesystem::path& folder,
+                                const Study& study,
+                                const DesignRefit& refit = {}) {
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  return rescore_designs(store, study, folder / "run", {"ring", "dome"}, refit);
+}
+
+// The lights of the best design are nearly dead on the robot, those of the other one are not.
+TEST(RescoreDesigns, TellWhomTheRefitLiftsAboveTheWinner) {
+  const TemporaryFolder folder;
+  const Study study = coarse_run(folder.path(), kTrialStudy);
+  const auto same = rescored(folder.path(), study);
+  EXPECT_EQ(same["changed"], false);
+  EXPECT_EQ(same["order_before"], same["order_after"]);
+  ASSERT_EQ(same["order_before"].size(), 2U);
+  const std::string winner = same["winner_before"].get<std::string>();
+  EXPECT_EQ(winner, same["order_before"][0]);
+  EXPECT_THAT(same["text"].get<std::string>(), testing::HasSubstr(winner + " stays the winner"));
+  const auto dead = rescored(folder.path(), study, {.exposures = {{winner, 1e-3}}});
+  EXPECT_EQ(dead["winner_before"], winner);
+  EXPECT_EQ(dead["changed"], true) << dead;
+  EXPECT_EQ(dead["order_after"][0], dead["winner_after"]);
+  EXPECT_THAT(dead["text"].get<std::string>(), testing::HasSubstr("takes the place of " + winner));
+}
+
+// 22 trials with a score and one that failed: the best 20 of them, the best one first.
+TEST(RescoreDesigns, AreAlsoTheBestTrialsOfTheSearch) {
+  const TemporaryFolder folder;
+  const Study study = coarse_run(folder.path(),
+                                 std::string(kTrialStudy) +
+                                     "[variables]\n\"lighting.ring.radiance.0\" = "
+                                     "{ min = 0.1, max = 4 }\n");
+  {
+    Storage storage = Storage::open(folder / "run/study.sqlite", {.config_hash = "of the test"});
+    for (int number = 1; number <= 23; ++number) {
+      const Trial trial = {.number = number, .point = {0.1 * number}};
+      storage.append(std::vector<Event>{{.kind = EventKind::kAsk, .trial = number}},
+                     std::vector<Trial>{trial});
+      storage.record(TrialKind::kSearch,
+                     number,
+                     {.scores = {{"defects.min_cnr", 0.01 * number}}, .is_failed = number == 23});
+    }
+  }
+  const auto result = rescored(folder.path(), study);
+  ASSERT_EQ(result["designs"].size(), 22U) << result;
+  EXPECT_EQ(result["designs"][1]["of"], "run");
+  EXPECT_EQ(result["designs"][2]["of"], "search");
+  EXPECT_EQ(result["designs"][2]["name"], "trial 22");
+  EXPECT_EQ(result["designs"][21]["name"], "trial 3");
+  EXPECT_EQ(result["order_after"].size(), 22U);
+  EXPECT_EQ(result["changed"], false);
 }
 
 }  // namespace

@@ -135,19 +135,39 @@ std::string planned_line(const std::string& design, const PlanRunOptions& option
   }
 }
 
+/// What was typed of how the arm is to be driven, each with a space before it.
+std::string driving_text(const AcquireArguments& driven) {
+  std::string text = fmt::format(" --speed_share {}", driven.speed_share);
+  if (!driven.twin.empty()) {
+    text += " --twin " + shell_word(driven.twin.string());
+  }
+  for (const std::string& light : driven.confirmed) {
+    text += " --confirmed " + shell_word(light);
+  }
+  return text;
+}
+
+/// The cell's file as the study names it, though its views cannot be planned for it; else a word
+/// that stands for it.
+std::filesystem::path named_cell(const Study& study) {
+  const bool is_named = study.scene.cell && !study.scene.cell->file.empty();
+  return is_named ? study.scene.cell->file : std::filesystem::path("CELL.toml");
+}
+
 /// Each design that is to be tried out, as the run has it, planned for the cell. @return JSON:
 /// plans
 AcquireAnswer planned_end(const Study& study,
                           const std::filesystem::path& run,
-                          const std::filesystem::path& cell,
+                          const AcquireArguments& driven,
                           int threads) {
-  const std::filesystem::path plans = std::filesystem::absolute(run).parent_path() / "plan";
-  AcquireAnswer answer = told_steps(validation_steps(study, run, cell));
+  const std::filesystem::path plans = std::filesystem::absolute(beside_run(run) / "plan");
+  AcquireAnswer answer =
+      told_steps(validation_steps(study, run, driven.cell, driving_text(driven)));
   answer.json["plans"] = Json::array();
   std::string text;
   for (const std::string& design : designs_to_validate(study)) {
     const PlanRunOptions options = {
-        .cell = cell, .out = plans / design, .run = run, .threads = threads};
+        .cell = driven.cell, .out = plans / design, .run = run, .threads = threads};
     text += planned_line(design, options, answer.json["plans"]);
   }
   answer.text = text + answer.text;
@@ -156,18 +176,11 @@ AcquireAnswer planned_end(const Study& study,
 
 /// The command that goes on without a search.
 std::string validating(const std::filesystem::path& run, const AcquireArguments& driven) {
-  std::string text = fmt::format("glint validate {} --cell {} --out {} --speed_share {}",
-                                 shell_word(run.string()),
-                                 shell_word(driven.cell.string()),
-                                 shell_word(driven.out.string()),
-                                 driven.speed_share);
-  if (!driven.twin.empty()) {
-    text += " --twin " + shell_word(driven.twin.string());
-  }
-  for (const std::string& light : driven.confirmed) {
-    text += " --confirmed " + shell_word(light);
-  }
-  return text + " --move";
+  return fmt::format("glint validate {} --cell {} --out {}{} --move",
+                     shell_word(run.string()),
+                     shell_word(driven.cell.string()),
+                     shell_word(driven.out.string()),
+                     driving_text(driven));
 }
 
 }  // namespace
@@ -186,11 +199,12 @@ AcquireAnswer end_of_run(const Study& study,
                          int threads,
                          Progress::Style progress) {
   if (!driven.is_move) {
-    return driven.cell.empty() ? told_steps(validation_steps(study, run, "CELL.toml"))
-                               : planned_end(study, run, driven.cell, threads);
+    return driven.cell.empty()
+               ? told_steps(validation_steps(study, run, named_cell(study), driving_text(driven)))
+               : planned_end(study, run, driven, threads);
   }
   AcquireArguments on_robot = driven;
-  on_robot.out = std::filesystem::absolute(run).parent_path() / "validate";
+  on_robot.out = std::filesystem::absolute(beside_run(run) / "validate");
   AcquireAnswer answer = run_validation(
       {.acquire = on_robot, .run = run, .threads = threads, .again = validating(run, on_robot)},
       progress);

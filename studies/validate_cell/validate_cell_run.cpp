@@ -118,8 +118,7 @@ class PicturesOfDesigns {
 Json validate_in_cell(const ValidateCellOptions& options, const MotionPermit& permit) {
   ValidateOptions validate = options.validate;
   if (validate.pictures.empty()) {
-    validate.pictures = (fs::absolute(validate.run) / ".").lexically_normal().parent_path();
-    validate.pictures = validate.pictures.parent_path() / "acquired";
+    validate.pictures = fs::absolute(beside_run(validate.run) / "acquired");
   }
   const std::vector<std::string> names = wanted_designs(validate);
   PicturesOfDesigns pictures(validate, options.acquire, permit);

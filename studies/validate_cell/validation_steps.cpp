@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "core/file.h"
 #include "core/shell_word.h"
+#include "studies/output/run_folder.h"
 #include "studies/validate/validated_designs.h"
 
 namespace glint {
@@ -27,22 +29,35 @@ std::vector<std::string> designs_to_validate(const Study& study) {
   return names;
 }
 
+std::filesystem::path beside_run(const std::filesystem::path& run) {
+  const std::filesystem::path plain = (run / ".").lexically_normal().parent_path();
+  const bool is_named = !plain.empty() && plain.filename() != "." && plain.filename() != "..";
+  return is_named ? plain.parent_path() : without_links(run).parent_path();
+}
+
 std::vector<std::string> validation_steps(const Study& study,
                                           const std::filesystem::path& run,
-                                          const std::filesystem::path& cell) {
+                                          const std::filesystem::path& cell,
+                                          const std::string& driving) {
   std::vector<std::string> steps;
   if (!study.scene.validate) {
     return steps;
   }
-  const std::filesystem::path pictures = run.parent_path() / "acquired";
+  const std::filesystem::path beside = beside_run(run);
   for (const std::string& name : designs_to_validate(study)) {
-    steps.push_back(fmt::format("glint acquire {} --cell {} --out {} --move",
-                                shell_word((run / name / "scene.toml").string()),
-                                shell_word(cell.string()),
-                                shell_word((pictures / name).string())));
+    const std::filesystem::path scene = run / name / kDesignScene;
+    if (is_there(scene)) {
+      steps.push_back(fmt::format("glint acquire {} --cell {} --out {}{} --move",
+                                  shell_word(scene.string()),
+                                  shell_word(cell.string()),
+                                  shell_word((beside / "acquired" / name).string()),
+                                  driving));
+    }
   }
-  steps.push_back(fmt::format(
-      "glint validate {} --pictures {}", shell_word(run.string()), shell_word(pictures.string())));
+  steps.push_back(fmt::format("glint validate {} --pictures {} --out {}",
+                              shell_word(run.string()),
+                              shell_word((beside / "acquired").string()),
+                              shell_word((beside / "validate").string())));
   return steps;
 }
 

@@ -156,6 +156,33 @@ TEST(Cell, ARunPlansEachDesignForTheStudysCellAndTellsHowToAcquireIt) {
   EXPECT_EQ(json::parse(plan)["views"][0]["outcome"], "planned");
 }
 
+// As a shell takes it: a slash at the run's end does not put the pictures into it, and what was
+// typed of how to drive is not lost.
+TEST(Cell, ARunTellsHowToAcquireAsItIsToBePasted) {
+  const TemporaryFolder folder;
+  write_file(folder / "cell.toml", cell_text(1, 1, 1, 1));
+  write_file(folder / "study.toml", study_in_cell());
+  const ProgramResult result = glint_in(folder,
+                                        {"run",
+                                         "study.toml",
+                                         "--out",
+                                         "my o/run/",
+                                         "--speed_share",
+                                         "0.25",
+                                         "--confirmed",
+                                         "left ring"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("  glint acquire 'my o/run/baseline/scene.toml' --cell "));
+  EXPECT_THAT(
+      result.out,
+      HasSubstr(" --out 'my o/acquired/baseline' --speed_share 0.25 --confirmed 'left ring' "
+                "--move\n"));
+  EXPECT_THAT(
+      result.out,
+      HasSubstr("  glint validate 'my o/run/' --pictures 'my o/acquired' --out 'my o/validate'\n"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "my o/plan/baseline/plan.json"));
+}
+
 // What is wrong with the study's own cell comes up before the search, not after it.
 TEST(Cell, OfAStudyIsReadBeforeTheRunBegins) {
   const TemporaryFolder folder;

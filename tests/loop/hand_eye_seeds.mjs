@@ -49,4 +49,11 @@ console.log(`within 2.5 sigma: place ${withinMm}, turn ${withinDeg}, both ${with
   `largest sigma stated: ${largestMm.toFixed(4)} mm, ${largestDeg.toFixed(4)} degrees`);
 // One of ten by chance: sigmas of three numbers together are passed by 2.5 in some 0.03 % of cases
 // each, if they are right.
-process.exit(within === Number(seeds) ? 0 : 1);
+// Smaller pictures than the gallery's own show corners less exactly: their sigmas are larger.
+const MOST_MM = 0.04;
+const MOST_DEG = 0.012;
+const isSmall = Number(width) < 1224 || (largestMm <= MOST_MM && largestDeg <= MOST_DEG);
+if (!isSmall) {
+  console.log(`the largest sigma is above ${MOST_MM} mm or ${MOST_DEG} degrees`);
+}
+process.exit(within === Number(seeds) && isSmall ? 0 : 1);

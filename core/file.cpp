@@ -33,9 +33,11 @@ class Descriptor {
       : number_(::open(path.c_str(), flags | O_CLOEXEC, 0644)) {}
 
   ~Descriptor() {
+    const int reason = errno;  // of what failed before
     if (number_ >= 0) {
       ::close(number_);
     }
+    errno = reason;
   }
 
   Descriptor(const Descriptor&) = delete;
@@ -64,6 +66,12 @@ class Descriptor {
 
 [[noreturn]] void throw_unwritable(const fs::path& path) {
   throw IoError(fmt::format("{}: cannot be written: {}", path.string(), last_system_error()));
+}
+
+/// Writes into the file itself. @return whether its bytes are on the disk; else errno tells why not
+bool is_put_on_disk(const fs::path& path, std::string_view bytes) {
+  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
+  return file.is_open() && file.write(bytes) && file.sync();
 }
 
 fs::path folder_of(const fs::path& path) {
@@ -123,8 +131,7 @@ void write_file(const fs::path& path, std::string_view bytes) {
 }
 
 void write_synced(const fs::path& path, std::string_view bytes) {
-  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
-  if (!file.is_open() || !file.write(bytes) || !file.sync()) {
+  if (!is_put_on_disk(path, bytes)) {
     throw_unwritable(path);
   }
 }
@@ -149,7 +156,9 @@ void write_file_durably(const fs::path& path, std::string_view bytes) {
     return;
   }
   AtomicFile output(path);
-  write_synced(output.temporary_path(), bytes);
+  if (!is_put_on_disk(output.temporary_path(), bytes)) {
+    throw_unwritable(path);  // by the name that was asked for
+  }
   output.commit();
   sync_folder(folder_of(path));
 }

@@ -43,7 +43,9 @@ TEST(WriteFileDurably, WritesAsWriteFileDoes) {
   EXPECT_EQ(read_file(folder / "a/b/c.txt"), "short");
   rename_durably(folder / "a/b/c.txt", folder / "a/b/d.txt");
   EXPECT_EQ(read_file(folder / "a/b/d.txt"), "short");
-  EXPECT_THROW(write_file_durably(folder / "missing/a.txt", "x"), IoError);
+  const fs::path missing = folder / "missing/a.txt";
+  EXPECT_THAT(text_thrown_by<IoError>([&] { write_file_durably(missing, "x"); }),
+              StartsWith(missing.string() + ": cannot be written: "));
   EXPECT_THROW(rename_durably(folder / "missing", folder / "a/e"), IoError);
   EXPECT_THROW(write_file_durably("/dev/full", "x"), IoError);
   EXPECT_EQ(folder.count(), 1);

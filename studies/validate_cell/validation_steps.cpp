@@ -7,7 +7,6 @@
 
 #include "core/file.h"
 #include "core/shell_word.h"
-#include "studies/output/run_folder.h"
 #include "studies/validate/validated_designs.h"
 
 namespace glint {
@@ -32,7 +31,8 @@ std::vector<std::string> designs_to_validate(const Study& study) {
 std::filesystem::path beside_run(const std::filesystem::path& run) {
   const std::filesystem::path plain = (run / ".").lexically_normal().parent_path();
   const bool is_named = !plain.empty() && plain.filename() != "." && plain.filename() != "..";
-  return is_named ? plain.parent_path() : without_links(run).parent_path();
+  return is_named ? plain.parent_path()
+                  : std::filesystem::weakly_canonical(std::filesystem::absolute(run)).parent_path();
 }
 
 std::vector<std::string> validation_steps(const Study& study,
@@ -45,7 +45,7 @@ std::vector<std::string> validation_steps(const Study& study,
   }
   const std::filesystem::path beside = beside_run(run);
   for (const std::string& name : designs_to_validate(study)) {
-    const std::filesystem::path scene = run / name / kDesignScene;
+    const std::filesystem::path scene = run / name / "scene.toml";
     if (is_there(scene)) {
       steps.push_back(fmt::format("glint acquire {} --cell {} --out {}{} --move",
                                   shell_word(scene.string()),

@@ -66,15 +66,15 @@ TEST(Ranking, MinimisesWhereAsked) {
 /// A run's folder with ring and dome, of which no pictures are taken, traced coarsely.
 Study coarse_run(const std::filesystem::path& folder, const std::string& study_tables) {
   make_trial(folder, {}, {}, 0, study_tables);
-  Study study = load_study(folder / "run/study.resolved.toml", {});
-  study.scene.paths.samples = 2;
-  for (const char* name : {"ring", "dome"}) {
-    const std::filesystem::path file = folder / "run" / name / "scene.toml";
+  const std::filesystem::path study = folder / "run/study.resolved.toml";
+  for (const std::filesystem::path& file :
+       {study, folder / "run/ring/scene.toml", folder / "run/dome/scene.toml"}) {
     std::string text = read_file(file);
-    text.replace(text.find("samples = 16"), 12, "samples = 2");
-    write_file(file, text);
+    const std::string samples = "samples = 16";
+    EXPECT_NE(text.find(samples), std::string::npos) << file;
+    write_file(file, text.replace(text.find(samples), samples.size(), "samples = 2"));
   }
-  return study;
+  return load_study(study, {});
 }
 
 nlohmann::ordered_json rescored(const std::filesystem::path& folder,
@@ -128,7 +128,6 @@ TEST(RescoreDesigns, AreAlsoTheBestTrialsOfTheSearch) {
   EXPECT_EQ(result["designs"][2]["name"], "trial 22");
   EXPECT_EQ(result["designs"][21]["name"], "trial 3");
   EXPECT_EQ(result["order_after"].size(), 22U);
-  EXPECT_EQ(result["changed"], false);
 }
 
 }  // namespace

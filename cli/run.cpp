@@ -190,8 +190,11 @@ int run_command(const StudyArguments& arguments,
   if (!arguments.budget.empty() && study.has_search() && !common.is_quiet) {
     std::cerr << fmt::format("the search ends {}\n", limits_text(study.budget));
   }
-  const std::filesystem::path out =
+  std::filesystem::path out =
       arguments.out.empty() ? default_run_folder(study.name) : arguments.out;
+  if (!out.has_filename()) {  // "out/run/"
+    out = out.parent_path();
+  }
   Json result = run_study(study,
                           {.out = out,
                            .threads = common.threads,

@@ -179,7 +179,7 @@ TEST(Cell, ARunTellsHowToAcquireAsItIsToBePasted) {
                 "--move\n"));
   EXPECT_THAT(
       result.out,
-      HasSubstr("  glint validate 'my o/run/' --pictures 'my o/acquired' --out 'my o/validate'\n"));
+      HasSubstr("  glint validate 'my o/run' --pictures 'my o/acquired' --out 'my o/validate'\n"));
   EXPECT_TRUE(std::filesystem::exists(folder / "my o/plan/baseline/plan.json"));
 }
 

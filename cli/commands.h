@@ -51,7 +51,7 @@ int render_command(const StudyArguments& arguments, const CommonArguments& commo
 int frontier_command(const StudyArguments& arguments, const CommonArguments& common);
 
 struct StabilityArguments {
-  StudyArguments study;  ///< without one the built-in scene
+  StudyArguments study;       ///< without one the built-in scene
   std::filesystem::path run;  ///< whose winner is disturbed; empty: none
   std::vector<std::string> sweeps;
   bool is_list = false;

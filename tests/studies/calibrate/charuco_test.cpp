@@ -27,7 +27,7 @@ constexpr double kCenterY_px = 238.0;
 constexpr double kTexel_mm = 20.0 / 160.0;  // of board.png
 constexpr std::size_t kCorners = 6 * 4;
 
-/// The sheet seen by a camera without distortion, each pixel the mean of 9 points; grey around it.
+/// The sheet seen by a camera without distortion, each pixel the mean of 16 points; grey around it.
 /// @param sheet  board.png, its upper left corner the origin, x along it, y down
 ImageF photograph(const ImageF& sheet, const Isometry3d& camera_from_sheet) {
   const Isometry3d sheet_from_camera = camera_from_sheet.inverse();
@@ -45,10 +45,10 @@ ImageF photograph(const ImageF& sheet, const Isometry3d& camera_from_sheet) {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       float sum = 0.0F;
-      for (int i = 0; i < 9; ++i) {
-        sum += seen(x + (i % 3 + 0.5) / 3.0, y + (i / 3 + 0.5) / 3.0);
+      for (int i = 0; i < 16; ++i) {
+        sum += seen(x + (i % 4 + 0.5) / 4.0, y + (i / 4 + 0.5) / 4.0);
       }
-      picture(x, y) = sum / 9.0F;
+      picture(x, y) = sum / 16.0F;
     }
   }
   return picture;
@@ -75,14 +75,14 @@ class CharucoBoard : public CalibrateVerb {
     EXPECT_EQ(printed.code, 0) << printed.err;
     const ImageF sheet = read_image(folder_ / "board/board.png");
     const std::vector<std::pair<Vector3d, Vector3d>> views = {
-        {{0, 0, 270}, {0, 0, 0}},
+        {{0, 0, 270}, {3, -2, 12}},
         {{4, 2, 280}, {25, 0, 10}},
         {{-3, 3, 280}, {-25, 5, -20}},
         {{2, -4, 285}, {0, 27, 30}},
-        {{-4, 0, 285}, {5, -27, 5}},
+        {{-4, 0, 285}, {5, -27, 14}},
         {{3, 3, 300}, {20, 20, -35}},
-        {{-70, 0, 260}, {15, -10, 0}},
-        {{30, 65, 260}, {-10, 20, 90}}};  // these two are cut
+        {{-70, 0, 260}, {15, -10, 17}},
+        {{30, 65, 260}, {-10, 20, 73}}};  // these two are cut
     for (const auto& [middle_mm, turn_deg] : views) {
       pictures_.push_back(fmt::format("view_{}.png", pictures_.size()));
       write_png(folder_ / pictures_.back(),

@@ -26,6 +26,16 @@ bool ranks_rightly(const FrontierPoint& point, const DesignRanking& ranking) {
   return row != ranking.methods.end() && row->is_right;
 }
 
+/// How much its order says: few pairs that differ by more than noise are little evidence.
+std::string pairs_text(const FrontierPoint& choice, const Frontier& frontier) {
+  if (!frontier.ranking) {
+    return "";
+  }
+  const auto row =
+      std::ranges::find(frontier.ranking->methods, choice.label, &MethodRanking::label);
+  return fmt::format(", judged by {} pairs that differ by more than noise", row->agreement.pairs);
+}
+
 }  // namespace
 
 void mark_choice(Frontier& frontier) {
@@ -58,8 +68,10 @@ std::string choice_sentence(const Frontier& frontier) {
                         kChoiceContrast);
   return choice == frontier.points.end()
              ? fmt::format("No rung that was measured {}: there is no automatic choice.", rule)
-             : fmt::format(
-                   "The automatic choice is {}, the cheapest rung that {}.", choice->label, rule);
+             : fmt::format("The automatic choice is {}, the cheapest rung that {}{}.",
+                           choice->label,
+                           rule,
+                           pairs_text(*choice, frontier));
 }
 
 }  // namespace glint

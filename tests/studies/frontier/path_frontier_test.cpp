@@ -230,14 +230,16 @@ TEST(FrontierChoice, WithoutDesignsIsTheCheapestWithinTheBoundsOfStability) {
 
 TEST(FrontierChoice, WithDesignsIsTheCheapestThatOrdersThemRightly) {
   Frontier frontier = made_up_frontier();
-  frontier.ranking = DesignRanking{.score = "homogeneity.h_rms",
-                                   .reference = "64 samples",
-                                   .designs = 12,
-                                   .methods = {{.label = "4 samples", .is_right = false},
-                                               {.label = "16 samples", .is_right = true}}};
+  frontier.ranking = DesignRanking{
+      .score = "homogeneity.h_rms",
+      .reference = "64 samples",
+      .designs = 12,
+      .methods = {{.label = "4 samples", .is_right = false},
+                  {.label = "16 samples", .agreement = {.pairs = 66}, .is_right = true}}};
   EXPECT_EQ(chosen_of(frontier), "16 samples") << "whatever its own errors are";
   mark_choice(frontier);
   EXPECT_THAT(choice_sentence(frontier), testing::HasSubstr("puts 12 designs into the order"));
+  EXPECT_THAT(choice_sentence(frontier), testing::HasSubstr("by 66 pairs"));
   frontier.reference.method.follows_paths = false;
   EXPECT_EQ(chosen_of(made_up_frontier()), "64 samples");
   frontier.points[1].is_chosen = false;

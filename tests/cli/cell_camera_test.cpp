@@ -59,7 +59,7 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
   const CountingPeer dashboard;
   write_file(folder / "counted.toml",
              fmt::format("include = [\"{}\"]\n[camera]\naddress = \"{}\"\n"
-                         "[camera.features]\nBlackLevel = 409.5\n[robot]\nrtde_port = {}\n"
+                         "[camera.features]\nBlackLevel = 220.75\n[robot]\nrtde_port = {}\n"
                          "primary_port = {}\nsecondary_port = {}\ndashboard_port = {}\n",
                          cell,
                          camera_address,
@@ -75,7 +75,7 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
   EXPECT_TRUE(is_listed) << list;
   const json grabbed = json_of(folder, {"cell", "grab", "counted.toml", "--out", "counted"});
   EXPECT_EQ(grabbed["complete"], 1);
-  EXPECT_NEAR(grabbed["frames"][0]["mean_grey"].get<double>(), mean_grey + 0.1, 0.02);
+  EXPECT_NEAR(grabbed["frames"][0]["mean_grey"].get<double>(), mean_grey + 0.05, 0.005);
   for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
     EXPECT_EQ(peer->connections(), 0);
   }

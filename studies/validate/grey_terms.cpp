@@ -26,8 +26,8 @@ constexpr double kStepMm = 1.0;          ///< of the differences by place
 constexpr double kStepRoughness = 0.05;  ///< and by the logarithm of roughness
 constexpr double kLongestStepMm = 15.0;
 constexpr double kLongestStepRoughness = 0.4;
-constexpr double kMinPower = -1.0;  ///< against nominal: dark
-constexpr double kMinExposure = 0.05;
+constexpr double kPowerFloor = -1.0;  ///< against nominal: dark
+constexpr double kExposureFloor = 0.05;
 
 constexpr double kHuber = 2.5;
 constexpr double kPixelsAlike = 10.0;   ///< neighbours tell about the same
@@ -363,11 +363,11 @@ double GreyProblem::take(const GreySystem& system, const VectorXd& step, GreySta
     double& value = number(state, by);
     switch (by.term.fault) {
       case GreyFault::kExposure:
-        value = std::max(kMinExposure, value + step[i]);
+        value = std::max(kExposureFloor, value + step[i]);
         break;
       case GreyFault::kLightPower:
       case GreyFault::kSegments:
-        value = std::max(kMinPower, value + step[i]);
+        value = std::max(kPowerFloor, value + step[i]);
         break;
       case GreyFault::kLightPlace: {
         const double by_mm = std::clamp(step[i], -kLongestStepMm, kLongestStepMm);

@@ -279,6 +279,7 @@ object_pixel_mm = 0.8
 working_distance_mm = 400
 [scan]
 positions = 8
+step_mm = 1.4
 [lighting.tunnel]
 shape = "semicylinder"
 radius_mm = 100
@@ -296,7 +297,7 @@ std::string view_from_above(int x_mm) {
 
 // From x = -80 mm mirrored rays meet the wall about 20 mm further in x than from above the middle.
 // The plate's end at x = -50 shows light at half of the tunnel's eight positions then, which from
-// the middle begins at -43 mm; the picture ends at x = 16 mm.
+// the middle begins some millimetres further in; the picture ends at x = 16 mm.
 TEST_F(CoverStudy, LooksAtAMirrorUnderATunnelFromEachOfItsViews) {
   const std::string both = kMirror + view_from_above(0) + view_from_above(-80);
   const Json first = cover(kMirror + view_from_above(0), {}, SceneUse::kCoverage);

@@ -2,20 +2,16 @@
 //
 // What is done beside calibrating a camera: checking a calibration, straight pictures, the sensor,
 // a plan of poses, points drawn into pictures, where the part is.
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
 #include "cli/shell/placement_text.h"
-#include "core/error.h"
 #include "studies/calibrate/check_run.h"
 #include "studies/calibrate/place_run.h"
 #include "studies/calibrate/plan_run.h"
 #include "studies/calibrate/points_run.h"
 #include "studies/calibrate/undistort_run.h"
-#include "studies/calibrate_cell/place_scene_run.h"
 #include "studies/sensor_calibration/sensor_run.h"
 
 namespace glint {
@@ -186,25 +182,18 @@ int points_command(const CalibrateArguments& arguments, const CommonArguments& c
 }
 
 int place_command(const CalibrateArguments& arguments, const CommonArguments& common) {
-  const CalibrateOptions options = {.pictures = arguments.pictures,
-                                    .board = arguments.board,
-                                    .poses = arguments.poses,
-                                    .camera = arguments.camera,
-                                    .out = arguments.out,
-                                    .sets = key_values(arguments.sets),
-                                    .threads = common.threads};
-  const auto scene = std::ranges::find_if(arguments.placed, is_part_scene);
-  if (scene != arguments.placed.end() && arguments.placed.size() > 1) {
-    throw ConfigError(
-        fmt::format("--place {}: a scene stands alone; give its placement.toml beside others",
-                    scene->string()));
-  }
   std::vector<PlaceInput> inputs;
   for (const std::filesystem::path& file : arguments.placed) {
     inputs.push_back({.file = file});
   }
-  const Json result = scene != arguments.placed.end() ? place_scene_part(*scene, options)
-                                                      : place_part(inputs, options);
+  const Json result = place_part(inputs,
+                                 {.pictures = arguments.pictures,
+                                  .board = arguments.board,
+                                  .poses = arguments.poses,
+                                  .camera = arguments.camera,
+                                  .out = arguments.out,
+                                  .sets = key_values(arguments.sets),
+                                  .threads = common.threads});
   print_result(common, result, place_text(result));
   return kExitDone;
 }

@@ -49,11 +49,10 @@ void add_calibrate_modes(CLI::App& calibrate, CalibrateArguments& arguments) {
 
 void add_place_mode(CLI::App& calibrate, CalibrateArguments& arguments) {
   calibrate
-      .add_option(
-          "--place",
-          arguments.placed,
-          "where the part is: CSV of points touched or shown, TOML of a board on the part; given "
-          "again for each time it was put down. Or a scene, for the part's edges in PICTURES")
+      .add_option("--place",
+                  arguments.placed,
+                  "where the part is: CSV of points that the robot touched or that pictures show, "
+                  "or TOML of a board on the part; given again for each time the part was put down")
       ->type_name("FILE")
       ->allow_extra_args(false);
 }

@@ -42,8 +42,8 @@ void check(const SceneSettings& scene, const fs::path& file) {
   }
   if (!scene.cell || !scene.cell->base_from_part) {
     throw ConfigError(fmt::format(
-        "{}: cell.base_from_part: is missing: about where the part lies in the robot's base, where "
-        "the search for it begins",
+        "{}: cell.base_from_part: is missing: about where the part lies in the robot's base, from "
+        "which its views are planned",
         file.string()));
   }
   if (!allows_many_viewpoints(scene)) {

@@ -13,7 +13,6 @@
 #include "core/file.h"
 #include "studies/acquire/acquired.h"
 #include "studies/calibrate/place_run.h"
-#include "studies/calibrate_cell/edge_placement.h"
 #include "studies/calibrate_cell/part_views.h"
 #include "studies/calibrate_cell/round_pictures.h"
 #include "studies/cell/pose_numbers.h"
@@ -23,11 +22,15 @@
 namespace glint {
 namespace {
 
-using calibrate_cell_detail::EdgePlacing;
-using calibrate_cell_detail::PartPhoto;
+using calibrate_cell_detail::SeenEdge;
 using Eigen::Isometry3d;
+using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
+
+constexpr std::size_t kLeastPictures = 2;
+constexpr int kMostPasses = 4;
+constexpr double kSettled_px = 0.1;  ///< the part moved less: rendering it again tells nothing new
 
 class PartPlacing {
  public:
@@ -146,42 +149,82 @@ class PartPlacing {
     }
   }
 
-  std::vector<PartPhoto> photos_of(int number) const {
-    const Acquired acquired = read_acquired(numbered("placement", number));
-    std::vector<PartPhoto> photos;
-    for (const std::string& view : acquired.views()) {
-      const AcquiredPicture picture = acquired.of_view(view).front();
-      photos.push_back({.name = fmt::format("placement_{}/{}", number, picture.file),
-                        .file = acquired.folder / picture.file,
-                        .base_from_flange = picture.base_from_flange});
-    }
-    return photos;
-  }
-
-  /// Places the part by its edges. @return false: not enough pictures show it
+  /// Renders the part where it is known to lie, finds its edges, places it by them, and again until
+  /// it does not move any more. @return false: not enough pictures show it
   bool find_edges(int number) {
-    EdgePlacing placing = {
-        .scene = scene_, .calibration = options_.calibration, .threads = options_.threads};
-    placing.scene.cell->base_from_part->pose =
-        pose_settings({.rotation = place_.linear(), .translation_mm = place_.translation()});
-    placing.photos = photos_of(number);
-    const auto found = place_by_edges(placing,
-                                      {.edges = numbered("edges", number, ".csv"),
-                                       .poses = numbered("poses", number, ".toml"),
-                                       .simulated = numbered("simulated", number),
-                                       .place = numbered("place", number)});
-    Json told = {{"placement", number}, {"pictures", found.pictures}};
-    if (!found.is_found) {
-      placements_.push_back(std::move(told));
-      return false;
+    const Acquired acquired = read_acquired(numbered("placement", number));
+    Isometry3d place = place_;
+    Json told = {{"placement", number}};
+    for (int pass = 1; pass <= kMostPasses; ++pass) {
+      const auto seen = edges_at(place, acquired, number);
+      told["pictures"] = seen.size();
+      if (seen.size() < kLeastPictures) {
+        placements_.push_back(std::move(told));
+        return false;
+      }
+      const Json found = place_part({input(number)}, place_options(numbered("place", number)));
+      const Isometry3d next = pose_of(found["base_from_part"]);
+      const double moved_px = largest_move_px(seen, place, next);
+      place = next;
+      told["passes"] = pass;
+      told["rms_px"] = found["placements"][0]["rms_px"];
+      told["base_from_part"] = found["base_from_part"];
+      if (moved_px < kSettled_px) {
+        break;
+      }
     }
-    told["passes"] = found.passes;
-    told["rms_px"] = found.place["placements"][0]["rms_px"];
-    told["base_from_part"] = found.place["base_from_part"];
     write_file(numbered("found", number, ".json"),
                Json{{"scene", scene_text_}, {"told", told}}.dump() + "\n");
     remember(number, told);
     return true;
+  }
+
+  /// Writes the files that place_part() reads. @return edges of each picture that shows the part
+  std::vector<std::vector<SeenEdge>> edges_at(const Isometry3d& base_from_part,
+                                              const Acquired& acquired,
+                                              int number) const {
+    SceneSettings scene = scene_;
+    scene.cell->base_from_part->pose = pose_settings(
+        {.rotation = base_from_part.linear(), .translation_mm = base_from_part.translation()});
+    std::vector<AcquiredPicture> kept;
+    std::vector<PictureOfView> pictures;
+    for (const std::string& view : acquired.views()) {
+      kept.push_back(acquired.of_view(view).front());
+      pictures.push_back(
+          {.file = acquired.folder / kept.back().file,
+           .viewpoint = calibrate_cell_detail::viewpoint_at(scene, kept.back().base_from_flange)});
+    }
+    const fs::path simulated = numbered("simulated", number);
+    fs::remove_all(simulated);
+    const auto edges = edges_in_pictures(scene, pictures, simulated, options_.threads);
+    std::string rows = calibrate_cell_detail::edge_header();
+    std::string poses = calibrate_cell_detail::pose_convention_toml();
+    std::vector<std::vector<SeenEdge>> all;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      auto seen = calibrate_cell_detail::seen_edges(scene, pictures[i].viewpoint, edges[i]);
+      if (seen.size() >= kLeastEdges) {
+        const std::string name = fmt::format("placement_{}/{}", number, kept[i].file);
+        rows += calibrate_cell_detail::edge_rows(name, seen);
+        poses += calibrate_cell_detail::pose_toml(name, kept[i].base_from_flange);
+        all.push_back(std::move(seen));
+      }
+    }
+    write_file(numbered("edges", number, ".csv"), rows);
+    write_file(numbered("poses", number, ".toml"), poses);
+    return all;
+  }
+
+  static double largest_move_px(const std::vector<std::vector<SeenEdge>>& pictures,
+                                const Isometry3d& before,
+                                const Isometry3d& after) {
+    double largest_px = 0.0;
+    for (const auto& edges : pictures) {
+      for (const SeenEdge& edge : edges) {
+        const double moved_mm = (after * edge.part_mm - before * edge.part_mm).norm();
+        largest_px = std::max(largest_px, edge.px_per_mm * moved_mm);
+      }
+    }
+    return largest_px;
   }
 
   PlaceInput input(int number) const {
@@ -217,6 +260,8 @@ class PartPlacing {
             {"next", next_},
             {"end", end_}};
   }
+
+  static constexpr std::size_t kLeastEdges = 20;
 
   const PlacePartOptions& options_;
   const MotionPermit& permit_;

@@ -287,7 +287,9 @@ std::optional<PlacedPart> place_by_pictures(const PlacingCamera& camera,
     used.robot_rad = used.robot_mm = 0.0;
   }
   Refinement work = refinement_of(used, pictures, start, sigma_px);
-  constexpr int kMaxSteps = 50;
+  constexpr int kMaxSteps = 200;
+  constexpr double kStandsSigmas =
+      1e-4;  // weights change with each step, so that the last are slow
   for (int step = 0; step < kMaxSteps; ++step) {
     // Weights change the target; they come in when the start's error has gone.
     const auto normal = normal_equations(work, step >= 3);
@@ -298,7 +300,7 @@ std::optional<PlacedPart> place_by_pictures(const PlacingCamera& camera,
     const VectorXd move = -covariance * normal->gradient;
     work.bundle.poses.board = work.bundle.poses.board * motion_of(move.head<6>());
     work.moved += move.tail(work.root.cols());
-    if (step >= 4 && move.dot(normal->information * move) < 1e-12) {
+    if (step >= 4 && move.dot(normal->information * move) < kStandsSigmas * kStandsSigmas) {
       return PlacedPart{.base_from_part = work.bundle.poses.board,
                         .covariance = covariance.topLeftCorner<6, 6>(),
                         .rms = std::sqrt(normal->square_px2 / normal->count)};

@@ -28,8 +28,8 @@ using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLeastPictures = 2;
-constexpr int kMostPasses = 4;
+constexpr std::size_t kMinPictures = 2;
+constexpr int kMaxPasses = 4;
 constexpr double kSettled_px = 0.1;  ///< the part moved less: rendering it again tells nothing new
 
 class PartPlacing {
@@ -155,10 +155,10 @@ class PartPlacing {
     const Acquired acquired = read_acquired(numbered("placement", number));
     Isometry3d place = place_;
     Json told = {{"placement", number}};
-    for (int pass = 1; pass <= kMostPasses; ++pass) {
+    for (int pass = 1; pass <= kMaxPasses; ++pass) {
       const auto seen = edges_at(place, acquired, number);
       told["pictures"] = seen.size();
-      if (seen.size() < kLeastPictures) {
+      if (seen.size() < kMinPictures) {
         placements_.push_back(std::move(told));
         return false;
       }
@@ -202,7 +202,7 @@ class PartPlacing {
     std::vector<std::vector<SeenEdge>> all;
     for (std::size_t i = 0; i < edges.size(); ++i) {
       auto seen = calibrate_cell_detail::seen_edges(scene, pictures[i].viewpoint, edges[i]);
-      if (seen.size() >= kLeastEdges) {
+      if (seen.size() >= kMinEdges) {
         const std::string name = fmt::format("placement_{}/{}", number, kept[i].file);
         rows += calibrate_cell_detail::edge_rows(name, seen);
         poses += calibrate_cell_detail::pose_toml(name, kept[i].base_from_flange);
@@ -261,7 +261,7 @@ class PartPlacing {
             {"end", end_}};
   }
 
-  static constexpr std::size_t kLeastEdges = 20;
+  static constexpr std::size_t kMinEdges = 20;
 
   const PlacePartOptions& options_;
   const MotionPermit& permit_;

@@ -238,9 +238,9 @@ TEST(EvaluateByPaths, RefusesWhatHasNoMeaning) {
   EXPECT_THAT(path_scores_error(unlit), HasSubstr("lighting: holds no light"));
 }
 
-/// Means over seeds of contrasts with few samples.
+/// Means over seeds of contrasts that noise still lowers by a quarter.
 Scores mean_contrasts(SceneSettings scene, bool is_debiased) {
-  scene.paths.samples = 8;
+  scene.paths.samples = 64;
   scene.paths.has_bias_taken_off = is_debiased;
   ThreadPool pool(2);
   SceneStore store(pool);
@@ -265,7 +265,7 @@ TEST(EvaluateByPaths, TheBiasOfNoiseIsTakenOffContrastsWhereTheSceneSaysSo) {
   const Scores debiased = mean_contrasts(scene, true);
   const double bias = plain.at("defects.dent_1.cnr") - truth;
   EXPECT_GT(std::abs(bias), 0.05 * truth) << "there is a bias to take off";
-  EXPECT_LT(std::abs(debiased.at("defects.dent_1.cnr") - truth), 0.4 * std::abs(bias));
+  EXPECT_LT(std::abs(debiased.at("defects.dent_1.cnr") - truth), 0.5 * std::abs(bias));
   EXPECT_EQ(debiased.at("defects.min_cnr"), debiased.at("defects.dent_1.cnr"));
   EXPECT_EQ(debiased.at("defects.dent_1.union"), plain.at("defects.dent_1.union"));
 }

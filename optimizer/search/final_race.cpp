@@ -218,6 +218,7 @@ class FinalRacing {
         racing.push_back(&racer);
       }
     }
+    std::map<const Racer*, int> wins;
     for (int sample = 0; sample < kSamples && !racing.empty(); ++sample) {
       const RaceDraw draw = draw_replicates(racing.front()->replicates.size(), sample);
       Racer* best = racing.front();
@@ -229,7 +230,10 @@ class FinalRacing {
           of_best = std::move(scores);
         }
       }
-      best->probability += 1.0 / kSamples;
+      ++wins[best];
+    }
+    for (Racer* racer : racing) {
+      racer->probability = static_cast<double>(wins[racer]) / kSamples;
     }
   }
 

@@ -14,6 +14,7 @@
 #include "metrics/statistics/told_value.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/search/final_race.h"
+#include "studies/report/score_words.h"
 #include "studies/run/repeated_scores.h"
 #include "studies/run/study_search.h"
 
@@ -204,7 +205,7 @@ std::string told_text(const Json& told) {
   std::string text = fmt::format(
       "The winner's {} is {} (95 %: {} to {}) over random numbers that "
       "nothing was chosen by; the search saw {}",
-      told["score"].get<std::string>(),
+      report_detail::score_label(told["score"].get<std::string>()),
       figure(told, "value"),
       figure(told, "low"),
       figure(told, "high"),

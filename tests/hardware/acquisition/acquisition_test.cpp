@@ -134,6 +134,19 @@ TEST(Acquire, KeepsRejectedPicturesApartAndGoesOn) {
   EXPECT_EQ(bench.taken[2].attempt, 2);
 }
 
+// Twice the 0.8 px of the scene's camera and half a pixel more are allowed: 2.1 px.
+TEST(Acquire, RejectsSinglePicturesThatAreBlurred) {
+  for (const auto& [edge_px, is_sharp] : {std::pair(0.9, true), std::pair(4.0, false)}) {
+    Bench bench(1);
+    for (ViewTask& task : bench.plan.tasks) {
+      task.expected.blur_px = 0.8;
+    }
+    bench.camera.edge_px_ = edge_px;
+    EXPECT_EQ(bench.run().is_complete(), is_sharp) << edge_px;
+    EXPECT_EQ(bench.taken[0].reason.starts_with("blurred: its edges"), !is_sharp);
+  }
+}
+
 TEST(Acquire, RefusesAnArmThatStandsOnNoPlannedWay) {
   Bench bench(1);
   bench.cell.joints_[4] = 0.1;

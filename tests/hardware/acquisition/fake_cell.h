@@ -4,6 +4,7 @@
 // asked to.
 #pragma once
 
+#include <cmath>
 #include <map>
 #include <set>
 #include <string>
@@ -227,6 +228,11 @@ class FakeCamera final : public Camera {
     }
     cell_.call(FakeFault::kNone);
     frame.status = FrameStatus::kComplete;
+    cell_.events.emplace_back("picture");
+    if (edge_px_ > 0.0) {
+      frame.codes = soft_square();
+      return frame;
+    }
     frame.codes = Image<std::uint16_t>(16, 12);
     for (int y = 0; y < 12; ++y) {
       for (int x = 0; x < 16; ++x) {
@@ -235,7 +241,6 @@ class FakeCamera final : public Camera {
                                                               : 60 + 100 * ((x / 4 + y / 4) % 2));
       }
     }
-    cell_.events.emplace_back("picture");
     return frame;
   }
 
@@ -246,8 +251,23 @@ class FakeCamera final : public Camera {
   void close() override { state_ = CameraState::kClosed; }
 
   bool dim_ = false;
+  double edge_px_ = 0.0;  ///< > 0: pictures of a bright square with edges of that sigma
 
  private:
+  Image<std::uint16_t> soft_square() const {
+    const auto step = [this](double from_px) {
+      return 0.5 * (1.0 + std::erf(from_px / (std::sqrt(2.0) * edge_px_)));
+    };
+    Image<std::uint16_t> codes(200, 160);
+    for (int y = 0; y < codes.height(); ++y) {
+      for (int x = 0; x < codes.width(); ++x) {
+        const double inside = step(x - 50.0) * step(150.0 - x) * step(y - 40.0) * step(120.0 - y);
+        codes(x, y) = static_cast<std::uint16_t>(std::lround(20.0 + 140.0 * inside));
+      }
+    }
+    return codes;
+  }
+
   FakeCell& cell_;
   CameraState state_ = CameraState::kReady;
   CameraDescription description_;

@@ -114,11 +114,11 @@ TEST(GalleryFitToBoard, SlicesTellWhatPhotographsDetermine) {
   }
   const Study fit = read("fit.toml");
   const std::vector<std::tuple<std::string, std::string, double>> slices = {
-      {"brighter", "sensor.exposure", 0.91},
+      {"brighter", "sensor.exposure", 0.904},
       {"matt", "material.coat.roughness", 1.0},
       {"glossy", "material.coat.roughness", 0.4},
-      {"left", "lighting.lamp.position_mm.0", -64.0},
-      {"narrow", "lighting.lamp.half_angle_deg", 46.0},
+      {"left", "lighting.lamp.position_mm.0", -56.0},
+      {"narrow", "lighting.lamp.half_angle_deg", 36.0},
       {"straight", "lighting.lamp.direction.1", 0.0},
       {"moved", "cell.flange_from_part.translation_mm.0", 18.42}};
   for (const auto& [name, key, value] : slices) {

@@ -19,9 +19,10 @@ constexpr double kArrivedTurnRad = 5e-3;
 constexpr double kSlowestScaling = 0.05;
 constexpr double kOffWayRad = 0.03;  ///< controllers cut no corners: a joint lags along the way
 constexpr double kOffWayMm = 10.0;
-constexpr double kBeatS = 0.25;   ///< a program of Glint's changes its register more often
-constexpr double kFirstS = 0.4;   ///< and writes it first within this time
-constexpr int kBeatPackages = 5;  ///< the same where a clock goes faster than packages
+constexpr double kBeatS = 0.25;  ///< a program of Glint's changes its register more often
+constexpr double kFirstS = 0.4;  ///< and writes it first within this time
+/// The register changes every 20 ms: of packages that are further apart each may hold the same.
+constexpr double kMaxPeriodS = 0.019;
 
 /// How far a point is from the segment between two others: its largest component.
 double off_segment(const auto& from, const auto& to, const auto& at) {
@@ -152,20 +153,21 @@ void MotionWatch::end_by_other_program() {
 /// A program that took the place of ours is left alone. It does not change our register, or writes
 /// what we do not.
 void MotionWatch::look_for_other_program(const RobotState& state) {
-  if (state.runtime_state != RuntimeState::kPlaying || state.ack != newest_ack_) {
+  const bool is_close = state.timestamp_s - newest_stamp_s_ <= kMaxPeriodS;
+  const bool is_playing = state.runtime_state == RuntimeState::kPlaying;
+  if (!is_playing || !is_close || state.ack != newest_ack_) {
     same_from_s_.reset();
   }
   newest_ack_ = state.ack;
+  newest_stamp_s_ = state.timestamp_s;
   if (has_begun_ && !ack_.is_of_program(state.ack)) {
     end_by_other_program();
   }
-  if (state.runtime_state != RuntimeState::kPlaying) {
+  if (!is_playing) {
     return;
   }
-  same_packages_ = same_from_s_ ? same_packages_ + 1 : 0;
   same_from_s_ = same_from_s_.value_or(state.timestamp_s);
-  if (state.timestamp_s - *same_from_s_ > (has_begun_ ? kBeatS : kFirstS) &&
-      same_packages_ > kBeatPackages) {
+  if (state.timestamp_s - *same_from_s_ > (has_begun_ ? kBeatS : kFirstS)) {
     end_by_other_program();
   }
 }

@@ -68,8 +68,8 @@ class MotionWatch {
   bool is_program_running_ = false;     ///< by the newest package
   std::optional<double> stopped_at_s_;  ///< when the program was first seen not to run any more
   std::int32_t newest_ack_ = 0;
-  std::optional<double> same_from_s_;  ///< of the controller's clock: a program plays since then
-  int same_packages_ = 0;              ///< and the register has not changed in so many
+  double newest_stamp_s_ = 0.0;
+  std::optional<double> same_from_s_;        ///< a program plays since then and changes no register
   std::optional<Eigen::Vector3d> start_mm_;  ///< of the TCP, as the controller told it first
   std::string message_;                      ///< the controller's reason
   bool is_refused_ = false;    ///< the reason came before the motion had begun, as an exception

@@ -85,16 +85,17 @@ void TwinController::step(double dt_s) {
   apply_due_faults(dt_s);
   advance_power(dt_s);
   const bool is_stop = !allows_motion(safety_mode_);
-  if (is_held_ && !is_stop) {
-    return;
+  const bool runs_programs = !is_stop && robot_mode_ == RobotMode::kRunning;
+  if (!is_held_ || is_stop) {
+    if (const std::string problem = motion_.advance(dt_s); !problem.empty()) {
+      fail_program(problem);
+    }
+    if (runs_programs) {
+      advance_program(dt_s);
+    }
   }
-  const std::string problem = motion_.advance(dt_s);
-  if (!problem.empty()) {
-    fail_program(problem);
-  }
-  if (!is_stop && robot_mode_ == RobotMode::kRunning) {
-    advance_program(dt_s);
-    advance_threads(dt_s);
+  if (runs_programs) {
+    advance_threads(dt_s);  // while a motion waits for its picture, too
   }
 }
 

@@ -99,6 +99,33 @@ TEST(TwinController, MotionWaitsWhileItIsHeldAndTheClockAlmost) {
   EXPECT_TRUE(twin.view().is_still);
 }
 
+// The product looks for a register that changes: pictures may take long.
+TEST(TwinController, ThreadsGoOnWhileAMotionWaits) {
+  TwinController twin(test_twin(ArmModel::kUr3));
+  run_program(twin,
+              {"def prog():",
+               "  thread beat():",
+               "    while True:",
+               "      write_output_integer_register(0, 1)",
+               "      sleep(0.02)",
+               "      write_output_integer_register(0, 2)",
+               "      sleep(0.02)",
+               "    end",
+               "  end",
+               "  b = run beat()",
+               "  movej([1, -1.7, 1.7, -1.5, -1.5, 0], a=1, v=0.5)",
+               "end"});
+  step(twin, 0.5);
+  twin.hold_motion(true);
+  int changes = 0;
+  for (std::int32_t last = register_0(twin), i = 0; i < 50; ++i) {
+    twin.step(8.0);  // a thousandth of it, as the clock goes meanwhile
+    changes += register_0(twin) != last ? 1 : 0;
+    last = register_0(twin);
+  }
+  EXPECT_NEAR(changes, 16, 4);
+}
+
 TEST(TwinController, HoldsEachMotionAtItsStartWhenToldTo) {
   TwinSettings settings = test_twin(ArmModel::kUr3);
   settings.holds_motions = true;

@@ -69,6 +69,23 @@ TEST(UrRobot, MovesATwinAndReadsWhereItStands) {
   const std::jthread e_series(expect_moves_and_reads, ArmModel::kUr3e);
 }
 
+// The register of the motion's program changes every 20 ms of the twin's clock; packages lie 80 to
+// 400 ms of it apart here, and may find it the same each time.
+TEST(UrRobot, LongMotionsArriveHoweverFastATwinsClockIs) {
+  for (const double speedup : {10.0, 20.0, 40.0, 50.0}) {
+    TwinServerSettings twin = on_free_ports(ArmModel::kUr3);
+    twin.speedup = speedup;
+    const TwinServer server(twin);
+    const UrSettings settings = settings_for(server, ArmModel::kUr3);
+    UrRobot robot(settings, arm_with_tool(settings, test_limits()));
+    robot.allow_motion(MotionPermit::from_command_line(true, "test"));
+    JointVector goal_rad = near_goal_rad();
+    goal_rad[0] += 1.5;
+    const MotionResult result = robot.move_joints(goal_rad, 0.3);
+    EXPECT_TRUE(result.is_done()) << speedup << ": " << result.text;
+  }
+}
+
 // The slider of the pendant stays with the person in front of it.
 TEST(UrRobot, WritesNoInputsButThoseOfLights) {
   TwinServer server(on_free_ports(ArmModel::kUr3));

@@ -20,14 +20,12 @@ double estimated_duration_s(const ArmWithTool& arm,
     return 0.0;
   }
   double fastest_mm = 0.0;  // of a step
-  ArmShape before = arm_shape(arm.arm, from_rad, arm.flange_from_tcp, arm.tool_radius_mm);
+  PosedArm before = posed_arm(arm.arm, from_rad, arm.flange_from_tcp, arm.tool_radius_mm);
   for (int i = 1; i <= kSteps; ++i) {
     const JointVector joints_rad = from_rad + way_rad * (static_cast<double>(i) / kSteps);
-    const ArmShape shape = arm_shape(arm.arm, joints_rad, arm.flange_from_tcp, arm.tool_radius_mm);
-    for (std::size_t k = 0; k < shape.size(); ++k) {
-      fastest_mm = std::max(fastest_mm, (shape[k].to_mm - before[k].to_mm).norm());
-    }
-    before = shape;
+    const PosedArm now = posed_arm(arm.arm, joints_rad, arm.flange_from_tcp, arm.tool_radius_mm);
+    fastest_mm = std::max(fastest_mm, largest_motion_mm(now, before));
+    before = now;
   }
   const double link_mm_per_rad = fastest_mm * kSteps / leading_rad;
   const double planned_mm_s = arm.limits.tool_speed_mm_s / kToolSpeedReserve;

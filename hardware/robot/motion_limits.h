@@ -11,7 +11,7 @@ namespace glint {
 /// that a file could rely on: each must be given, as only a person in front of the cell can know
 /// it.
 struct MotionLimits {
-  double tool_speed_mm_s = 0.0;  ///< of the tool's tip and of every link
+  double tool_speed_mm_s = 0.0;  ///< of every point of the tool and of every link
   double tool_acceleration_mm_s2 = 0.0;
   double joint_speed_rad_s = 0.0;
   double joint_acceleration_rad_s2 = 0.0;

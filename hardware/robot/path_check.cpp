@@ -20,17 +20,8 @@ constexpr double kBetweenMm =
 constexpr double kJointSpeedMargin = 1.02;  ///< between samples joints may be a little faster
 constexpr double kMmPerRad = 1000.0;
 
-ArmShape shape_at(const ArmWithTool& arm, const JointVector& joints_rad) {
-  return arm_shape(arm.arm, joints_rad, arm.flange_from_tcp, arm.tool_radius_mm);
-}
-
-/// How far the end of any link moves between two poses.
-double largest_motion_mm(const ArmShape& a, const ArmShape& b) {
-  double motion_mm = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    motion_mm = std::max(motion_mm, (a[i].to_mm - b[i].to_mm).norm());
-  }
-  return motion_mm;
+PosedArm posed(const ArmWithTool& arm, const JointVector& joints_rad) {
+  return posed_arm(arm.arm, joints_rad, arm.flange_from_tcp, arm.tool_radius_mm);
 }
 
 /// So many steps that no point of the arm moves farther than kStepMm in one.
@@ -83,7 +74,7 @@ struct LineWalk {
   double joint_rad_per_mm = 0.0;
   double link_mm_per_mm = 1.0;
   JointVector joints_rad;
-  ArmShape shape;
+  PosedArm before;
 };
 
 bool take_step(const ArmWithTool& arm,
@@ -98,9 +89,9 @@ bool take_step(const ArmWithTool& arm,
     refuse(motion, CheckedMotion::Problem::kUnreachable, "the line leaves the arm's reach");
     return false;
   }
-  const ArmShape shape = shape_at(arm, *joints_rad);
-  const double link_mm = largest_motion_mm(shape, walk.shape);
-  if (measure < arm.limits.min_singularity_measure || link_mm > kStepMm) {
+  const PosedArm now = posed(arm, *joints_rad);
+  const bool jumps = largest_end_motion_mm(now.shape, walk.before.shape) > kStepMm;
+  if (measure < arm.limits.min_singularity_measure || jumps) {
     refuse(motion,
            CheckedMotion::Problem::kSingular,
            fmt::format("the line passes a singular pose: measure {:.4f}, allowed is {:.4f}",
@@ -112,9 +103,10 @@ bool take_step(const ArmWithTool& arm,
     return false;
   }
   walk.joint_rad_per_mm = std::max(walk.joint_rad_per_mm, turn_rad / step_mm);
-  walk.link_mm_per_mm = std::max(walk.link_mm_per_mm, link_mm / step_mm);
+  walk.link_mm_per_mm =
+      std::max(walk.link_mm_per_mm, largest_motion_mm(now, walk.before) / step_mm);
   walk.joints_rad = *joints_rad;
-  walk.shape = shape;
+  walk.before = now;
   return true;
 }
 
@@ -125,19 +117,19 @@ std::optional<double> walk_joints(const ArmWithTool& arm,
                                   CheckedMotion& motion) {
   const double leading_rad = way_rad.cwiseAbs().maxCoeff();
   const int steps = joint_steps(arm, way_rad);
-  ArmShape before = shape_at(arm, motion.start_rad);
+  PosedArm before = posed(arm, motion.start_rad);
   double link_mm_per_rad = 0.0;
   for (int i = 0; i <= steps; ++i) {
     const JointVector joints_rad = motion.start_rad + way_rad * (static_cast<double>(i) / steps);
     if (!passes_limits(arm, joints_rad, motion)) {
       return std::nullopt;
     }
-    const ArmShape shape = shape_at(arm, joints_rad);
+    const PosedArm now = posed(arm, joints_rad);
     if (i > 0 && leading_rad > 0.0) {
       link_mm_per_rad =
-          std::max(link_mm_per_rad, largest_motion_mm(shape, before) * steps / leading_rad);
+          std::max(link_mm_per_rad, largest_motion_mm(now, before) * steps / leading_rad);
     }
-    before = shape;
+    before = now;
   }
   return link_mm_per_rad;
 }
@@ -145,7 +137,7 @@ std::optional<double> walk_joints(const ArmWithTool& arm,
 }  // namespace
 
 std::string outside_box(const ArmWithTool& arm, const JointVector& joints_rad, double margin_mm) {
-  const ArmShape shape = shape_at(arm, joints_rad);
+  const ArmShape shape = arm_shape(arm.arm, joints_rad, arm.flange_from_tcp, arm.tool_radius_mm);
   for (std::size_t i = 0; i < shape.size(); ++i) {
     const double radius_mm = shape[i].radius_mm + margin_mm;
     const Eigen::Vector3d low_mm = shape[i].from_mm.cwiseMin(shape[i].to_mm);
@@ -204,7 +196,7 @@ CheckedMotion check_line_motion(const ArmWithTool& arm,
   // branch.
   const int steps = 1 + static_cast<int>(length_mm);
   const double step_mm = std::max(length_mm / steps, 1e-9);
-  LineWalk walk = {.joints_rad = start_rad, .shape = shape_at(arm, start_rad)};
+  LineWalk walk = {.joints_rad = start_rad, .before = posed(arm, start_rad)};
   for (int i = 0; i <= steps; ++i) {
     const Eigen::Isometry3d pose =
         pose_between(from, base_from_tcp, static_cast<double>(i) / steps);

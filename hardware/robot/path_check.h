@@ -34,8 +34,9 @@ struct CheckedMotion {
 
 inline constexpr double kJointLimitRad = 6.283185307179586;
 
-/// No link is planned to be faster than limits.tool_speed_mm_s divided by this. Controllers
-/// overshoot a little, and a tool that is faster than the limit itself is stopped.
+/// No point of a link or of the tool, their radii counted, is planned to be faster than
+/// limits.tool_speed_mm_s divided by this. Controllers overshoot a little, and a tool that is
+/// faster than the limit itself is stopped.
 inline constexpr double kToolSpeedReserve = 1.1;
 
 /// movej. The leading joint's speed is share of its limit, less where a link or the tool would be

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace glint {
 namespace {
@@ -21,6 +22,15 @@ constexpr std::array<LinkSizes, 3> kSizes = {{
     {120.0, 27.0, 60.0, 50.0, 45.0},
     {138.0, 7.0, 80.0, 65.0, 55.0},
 }};
+
+/// Which links each capsule turns with: those along the axis of a joint hold its housing, one half
+/// of which turns with the link before it and one with the link behind it.
+constexpr std::array<std::pair<std::size_t, std::size_t>, kLinkNames.size()> kTurnsWith = {
+    {{1, 2}, {2, 2}, {2, 3}, {3, 3}, {3, 4}, {4, 5}, {5, 6}, {6, 6}}};
+
+double turn_rad(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+  return Eigen::AngleAxisd(Eigen::Matrix3d(a.linear().transpose() * b.linear())).angle();
+}
 
 }  // namespace
 
@@ -52,6 +62,38 @@ ArmShape arm_shape(const Arm& arm,
            {wrist2_mm, wrist3_mm, sizes.wrist_radius_mm},
            {wrist3_mm, flange_mm, sizes.wrist_radius_mm},
            {flange_mm, tip_mm, tool_radius_mm}}};
+}
+
+PosedArm posed_arm(const Arm& arm,
+                   const JointVector& joints_rad,
+                   const Eigen::Isometry3d& flange_from_tcp,
+                   double tool_radius_mm) {
+  return {.frames = arm.frames(joints_rad),
+          .shape = arm_shape(arm, joints_rad, flange_from_tcp, tool_radius_mm)};
+}
+
+double largest_end_motion_mm(const ArmShape& a, const ArmShape& b) {
+  double motion_mm = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    motion_mm = std::max(motion_mm, (a[i].to_mm - b[i].to_mm).norm());
+  }
+  return motion_mm;
+}
+
+double largest_motion_mm(const PosedArm& a, const PosedArm& b) {
+  std::array<double, std::tuple_size_v<LinkFrames>> turns_rad = {};
+  for (std::size_t link = 1; link < turns_rad.size(); ++link) {
+    turns_rad[link] = turn_rad(a.frames[link], b.frames[link]);
+  }
+  double motion_mm = 0.0;
+  for (std::size_t i = 0; i < a.shape.size(); ++i) {
+    const double axis_mm = std::max((a.shape[i].from_mm - b.shape[i].from_mm).norm(),
+                                    (a.shape[i].to_mm - b.shape[i].to_mm).norm());
+    const auto [first, last] = kTurnsWith[i];
+    const double turned_rad = std::max(turns_rad[first], turns_rad[last]);
+    motion_mm = std::max(motion_mm, axis_mm + a.shape[i].radius_mm * turned_rad);
+  }
+  return motion_mm;
 }
 
 double farthest_reach_mm(const Arm& arm,

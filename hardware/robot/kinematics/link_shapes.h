@@ -30,6 +30,25 @@ ArmShape arm_shape(const Arm& arm,
                    const Eigen::Isometry3d& flange_from_tcp,
                    double tool_radius_mm);
 
+/// The links at a pose of the joints and the frames that they turn with.
+struct PosedArm {
+  LinkFrames frames;
+  ArmShape shape;
+};
+
+PosedArm posed_arm(const Arm& arm,
+                   const JointVector& joints_rad,
+                   const Eigen::Isometry3d& flange_from_tcp,
+                   double tool_radius_mm);
+
+/// How far the end of any link's axis moves between two poses.
+double largest_end_motion_mm(const ArmShape& a, const ArmShape& b);
+
+/// How far any point of the arm or of its tool moves between two poses near each other, at most: a
+/// link's outside moves by its radius times the angle that the link turns through farther than its
+/// axis does.
+double largest_motion_mm(const PosedArm& a, const PosedArm& b);
+
 /// No point of the arm or of its tool is farther from the base's origin than this, mm.
 double farthest_reach_mm(const Arm& arm,
                          const Eigen::Isometry3d& flange_from_tcp,

@@ -128,8 +128,38 @@ TEST(CheckJointMotion, SlowsDownForAnElbowThatAloneWouldBeTooFast) {
   EXPECT_LT(motion.speed, 0.9 * limits.joint_speed_rad_s);
   const LinkSpeeds speeds(arm, motion.speed);
   EXPECT_EQ(speeds.fastest(), "upper arm");
-  EXPECT_NEAR(speeds.mm_s[1], limits.tool_speed_mm_s / kToolSpeedReserve, 0.5);
+  const double turn_rad_s = (bent_rad(motion.speed) - bent_rad(0.0))[1];
+  const double outside_mm_s = shape_of(arm, bent_rad(0.0))[1].radius_mm * turn_rad_s;
+  EXPECT_NEAR(speeds.mm_s[1] + outside_mm_s, limits.tool_speed_mm_s / kToolSpeedReserve, 0.5);
   EXPECT_LT(speeds.mm_s.back(), 0.3 * limits.tool_speed_mm_s);
+}
+
+// The axes of wrist 3 and of the tool stand still; what is around them goes round.
+TEST(CheckJointMotion, SlowsDownForTheRimOfAToolThatTurnsAboutItsOwnAxis) {
+  UrSettings robot = test_robot(ArmModel::kUr3e);
+  robot.tool_radius_mm = 90.0;
+  MotionLimits limits = test_limits();
+  limits.tool_speed_mm_s = 100.0;
+  limits.joint_speed_rad_s = kPi;
+  const ArmWithTool arm = arm_with_tool(robot, limits);
+  const CheckedMotion motion = check_joint_motion(arm, test_start_rad(), turned(5, 90), 1.0);
+  ASSERT_TRUE(motion.is_allowed()) << motion.text;
+  EXPECT_NEAR(motion.speed * robot.tool_radius_mm, 100.0 / kToolSpeedReserve, 0.01);
+}
+
+// The tip goes on a line and the tool turns about its axis: the rim is faster than the tip.
+TEST(CheckLineMotion, SlowsDownForTheRimOfAToolThatTurns) {
+  UrSettings robot = test_robot(ArmModel::kUr3e);
+  robot.tool_radius_mm = 90.0;
+  const ArmWithTool arm = arm_with_tool(robot, test_limits());
+  Eigen::Isometry3d goal = arm.base_from_tcp(test_start_rad());
+  constexpr double kTurnRad = 0.05;
+  goal.translation().z() += 1000.0 * kTurnRad;
+  goal.rotate(Eigen::AngleAxisd(kTurnRad, Eigen::Vector3d::UnitZ()));
+  const CheckedMotion motion = check_line_motion(arm, test_start_rad(), goal, 1.0);
+  ASSERT_TRUE(motion.is_allowed()) << motion.text;
+  const double rim_mm_s = motion.speed * (1.0 + 0.001 * robot.tool_radius_mm);
+  EXPECT_LE(rim_mm_s, 1.001 * test_limits().tool_speed_mm_s / kToolSpeedReserve);
 }
 
 TEST(CheckJointMotion, RefusesJointsBeyondTheirLimitAndNumbersThatAreNone) {

@@ -232,6 +232,19 @@ int twin_place(const CellArguments& arguments, const CommonArguments& common) {
   return kExitDone;
 }
 
+int twin_light(const CellArguments& arguments, const CommonArguments& common) {
+  const std::string how = arguments.words.size() == 4 ? arguments.words[3] : "";
+  if (how != "on" && how != "off") {
+    throw ConfigError(
+        "glint cell twin light: needs the file of --ready_file, the name of a light that a person "
+        "switches, and on or off");
+  }
+  const std::string& light = arguments.words[2];
+  const Json result = switch_light_in_twins(arguments.words[1], light, how == "on");
+  print_result(common, result, fmt::format("light {} has been switched {}\n", light, how));
+  return kExitDone;
+}
+
 ServingTwins twins_of(const std::string& kind,
                       const Cell& cell,
                       const CellArguments& arguments,
@@ -265,15 +278,18 @@ int twin_action(const CellArguments& arguments, const CommonArguments& common) {
   if (!arguments.words.empty() && arguments.words[0] == "place") {
     return twin_place(arguments, common);
   }
+  if (!arguments.words.empty() && arguments.words[0] == "light") {
+    return twin_light(arguments, common);
+  }
   if (arguments.words.size() != 2) {
     throw ConfigError(
-        "glint cell twin: needs camera, robot or both and the cell's file, or stop or place and a "
-        "ready file");
+        "glint cell twin: needs camera, robot or both and the cell's file, or stop, place or light "
+        "and a ready file");
   }
   const std::string& kind = arguments.words[0];
   if (kind != "camera" && kind != "robot" && kind != "both") {
-    throw ConfigError(
-        fmt::format("glint cell twin {}: there are camera, robot, both, stop and place", kind));
+    throw ConfigError(fmt::format(
+        "glint cell twin {}: there are camera, robot, both, stop, place and light", kind));
   }
   check_twin_port(kind, arguments);
   const Cell cell = read_cell(arguments.words[1]);

@@ -380,7 +380,7 @@ void add_cell_verb(CLI::App& app, CommandLine& line) {
       ->required();
   cell->add_option("CELL",
                    arguments.words,
-                   "the cell's file; of twins before it: camera, robot, both, stop or place")
+                   "the cell's file; of twins before it: camera, robot, both, stop, place or light")
       ->type_name("FILE");
   cell->add_flag(
       "--move", arguments.is_move, "let the robot move: type it when nobody is within its reach");

@@ -175,6 +175,20 @@ const Json* twin_in(const Json& ready, std::string_view kind) {
   return nullptr;
 }
 
+/// @throws IoError when the camera's twin does not answer ok
+void tell_camera_twin(const std::filesystem::path& ready_file, const std::string& line) {
+  const Json ready = read_ready(ready_file);
+  const Json* camera = twin_in(ready, "camera");
+  if (camera == nullptr) {
+    throw ConfigError(fmt::format("{}: has no twin of a camera", ready_file.string()));
+  }
+  const auto reply = ask_side_channel(camera->at("side_channel").get<std::string>(), line);
+  if (reply.value_or("") != "ok") {
+    throw IoError(fmt::format(
+        "{}: the twin of the camera says {}", ready_file.string(), reply.value_or("nothing")));
+  }
+}
+
 }  // namespace
 
 Json robot_twin_description(const TwinServer& server) {
@@ -242,18 +256,15 @@ Json stop_twins(const std::filesystem::path& ready_file) {
 }
 
 Json place_in_twins(const std::filesystem::path& ready_file, int placement) {
-  const Json ready = read_ready(ready_file);
-  const Json* camera = twin_in(ready, "camera");
-  if (camera == nullptr) {
-    throw ConfigError(fmt::format("{}: has no twin of a camera", ready_file.string()));
-  }
-  const auto reply = ask_side_channel(camera->at("side_channel").get<std::string>(),
-                                      fmt::format("placement {}", placement));
-  if (reply.value_or("") != "ok") {
-    throw IoError(fmt::format(
-        "{}: the twin of the camera says {}", ready_file.string(), reply.value_or("nothing")));
-  }
+  tell_camera_twin(ready_file, fmt::format("placement {}", placement));
   return {{"schema", 1}, {"status", "done"}, {"placement", placement}};
+}
+
+Json switch_light_in_twins(const std::filesystem::path& ready_file,
+                           const std::string& light,
+                           bool is_on) {
+  tell_camera_twin(ready_file, fmt::format("light {} {}", light, is_on ? "on" : "off"));
+  return {{"schema", 1}, {"status", "done"}, {"light", light}, {"on", is_on}};
 }
 
 TwinServerSettings robot_twin_settings(const Cell& cell, std::optional<int> port) {

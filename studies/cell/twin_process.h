@@ -55,6 +55,13 @@ nlohmann::ordered_json stop_twins(const std::filesystem::path& ready_file);
 /// @throws IoError when no twin of a camera listens; ConfigError for a file that is no ready file
 nlohmann::ordered_json place_in_twins(const std::filesystem::path& ready_file, int placement);
 
+/// Tells the camera's twin that a person has switched a light of the cell.
+/// @throws IoError when no twin of a camera listens or no person switches that light; ConfigError
+///         for a file that is no ready file
+nlohmann::ordered_json switch_light_in_twins(const std::filesystem::path& ready_file,
+                                             const std::string& light,
+                                             bool is_on);
+
 /// What robot_twin_of() serves, for those who wire it to other twins.
 TwinServerSettings robot_twin_settings(const Cell& cell, std::optional<int> port);
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/twin_cell/camera_serving.h"
 
+#include <algorithm>
 #include <charconv>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -39,6 +41,11 @@ CameraServing::CameraServing(const Cell& cell,
                .sensor_height_px = renderer_.height_px()},
               pictures_),
       address_(ipv4_text(address)) {
+  for (const CellLight& light : cell.lights) {
+    if (light.kind == CellLight::Kind::kManual) {
+      manual_.insert(light.name);
+    }
+  }
   if (has_cable) {
     cable_.emplace(behind_cable(address), address);
   }
@@ -66,6 +73,48 @@ std::string CameraServing::put_down(const std::string& number) {
   return "ok";
 }
 
+std::vector<std::string> CameraServing::shining(const std::vector<std::string>& lights) const {
+  const std::scoped_lock lock(lights_mutex_);
+  std::vector<std::string> on;
+  std::ranges::copy_if(lights, std::back_inserter(on), [this](const std::string& name) {
+    return !off_.contains(name);
+  });
+  return on;
+}
+
+void CameraServing::stay_at(const TwinCellState& state) {
+  const std::scoped_lock lock(lights_mutex_);
+  stays_ = state;
+}
+
+/// "light NAME on|off": a person has switched it.
+std::string CameraServing::switch_light(const std::string& text) {
+  const std::size_t blank = std::min(text.rfind(' '), text.size());
+  const std::string name = text.substr(0, blank);
+  const std::string how = text.substr(std::min(blank + 1, text.size()));
+  if (how != "on" && how != "off") {
+    return "error: light needs a name and on or off";
+  }
+  if (!manual_.contains(name)) {
+    return fmt::format("error: no person switches a light named {}", name);
+  }
+  std::optional<TwinCellState> stays;
+  {
+    const std::scoped_lock lock(lights_mutex_);
+    if (how == "on") {
+      off_.erase(name);
+    } else {
+      off_.insert(name);
+    }
+    stays = stays_;
+  }
+  if (stays) {
+    stays->lights = shining(stays->lights);
+    pictures_.arrive(*stays);
+  }
+  return "ok";
+}
+
 std::string CameraServing::set_cable(const std::string& text) {
   const auto faults = parse_cable_faults(text);
   if (!cable_ || !faults) {
@@ -73,6 +122,19 @@ std::string CameraServing::set_cable(const std::string& text) {
   }
   cable_->set_faults(*faults);
   return "ok";
+}
+
+std::string CameraServing::told_state() const {
+  const CameraTwinCounts counts = camera_.counts();
+  return nlohmann::ordered_json{{"frames", counts.frames},
+                                {"refused", counts.refused},
+                                {"last_refusal", name_of(counts.last_refusal)},
+                                {"resent_packets", counts.resent_packets},
+                                {"rendered", pictures_.num_rendered()},
+                                {"placement", placement()},
+                                {"cable_dropped", cable_ ? cable_->counts().dropped : 0},
+                                {"error", pictures_.error()}}
+      .dump();
 }
 
 std::string CameraServing::answer(const std::string& line) {
@@ -84,25 +146,20 @@ std::string CameraServing::answer(const std::string& line) {
     return "ok";
   }
   if (line == "state") {
-    const CameraTwinCounts counts = camera_.counts();
-    return nlohmann::ordered_json{{"frames", counts.frames},
-                                  {"refused", counts.refused},
-                                  {"last_refusal", name_of(counts.last_refusal)},
-                                  {"resent_packets", counts.resent_packets},
-                                  {"rendered", pictures_.num_rendered()},
-                                  {"placement", placement()},
-                                  {"cable_dropped", cable_ ? cable_->counts().dropped : 0},
-                                  {"error", pictures_.error()}}
-        .dump();
+    return told_state();
   }
   constexpr std::string_view kPlacement = "placement ";
   if (line.starts_with(kPlacement)) {
     return put_down(line.substr(kPlacement.size()));
   }
+  constexpr std::string_view kLight = "light ";
+  if (line.starts_with(kLight)) {
+    return switch_light(line.substr(kLight.size()));
+  }
   if (line.starts_with("cable")) {
     return set_cable(line.substr(5));
   }
-  return "error: there are token, state, placement, cable, stop";
+  return "error: there are token, state, placement, light, cable, stop";
 }
 
 }  // namespace glint

@@ -3,8 +3,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -19,7 +22,7 @@
 namespace glint {
 
 /// The camera's twin with its renderer; with a robot, what follows it. Its side channel takes
-/// "token", "state", "placement N", "cable ..." (cable_text.h) and "stop".
+/// "token", "state", "placement N", "light NAME on|off", "cable ..." (cable_text.h) and "stop".
 class CameraServing final : public ServingTwin {
  public:
   /// @param address    that it is found at
@@ -42,14 +45,27 @@ class CameraServing final : public ServingTwin {
   /// How many times the part has been put down. For any thread.
   int placement() const { return placement_; }
 
+  /// Those of the lights that no person has switched off. For any thread.
+  std::vector<std::string> shining(const std::vector<std::string>& lights) const;
+
+  /// No robot is followed: the camera stands there, and a light that a person switches tells its
+  /// pictures.
+  void stay_at(const TwinCellState& state);
+
  private:
   std::string answer(const std::string& line);
+  std::string told_state() const;
   std::string put_down(const std::string& number);
+  std::string switch_light(const std::string& text);
   std::string set_cable(const std::string& text);
 
   std::uint64_t token_ = 0;  ///< the camera tells it as the name that a user gave it: 15 digits
   std::atomic<bool> is_stop_asked_ = false;
   std::atomic<int> placement_ = 1;
+  std::set<std::string> manual_;  ///< lights that a person switches
+  mutable std::mutex lights_mutex_;
+  std::set<std::string> off_;           ///< of these; at first none is
+  std::optional<TwinCellState> stays_;  ///< empty: the camera follows a robot
   ThreadPool pool_;
   CellRenderer renderer_;
   CellPictures pictures_;

@@ -24,7 +24,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kBetweenLooks{4};
 
-/// What is on when the controller's outputs are so.
+/// What is on when the controller's outputs are so and no person has switched anything off.
 std::vector<std::string> lights_on(const Cell& cell, std::uint64_t outputs) {
   std::vector<std::string> names;
   for (const CellLight& light : cell.lights) {
@@ -115,7 +115,7 @@ class CellWatch {
 
  private:
   TwinCellState state_of(const JointVector& joints_rad, std::uint64_t outputs, int position) const {
-    const std::vector<std::string> lights = lights_on(cell_, outputs);
+    const std::vector<std::string> lights = camera_.shining(lights_on(cell_, outputs));
     const RigidTransform joint_error = joint_error_of(truth_, arm_, joints_rad, lights);
     return {.base_from_flange = transform_of(arm_.forward(joints_rad)),
             .lights = lights,
@@ -297,13 +297,12 @@ std::filesystem::path truth_file_of(const Cell& cell) {
 
 ServingTwins camera_twin_of(const Cell& cell, CameraPlace place, int threads) {
   const Truth truth = read_truth(truth_file_of(cell));
+  const TwinCellState state = first_state(cell, truth, all_lights(cell));
+  auto camera = std::make_unique<CameraServing>(
+      cell, truth, address_of(cell, place.is_free), state, place.has_cable, threads);
+  camera->stay_at(state);
   ServingTwins twins;
-  twins.push_back(std::make_unique<CameraServing>(cell,
-                                                  truth,
-                                                  address_of(cell, place.is_free),
-                                                  first_state(cell, truth, all_lights(cell)),
-                                                  place.has_cable,
-                                                  threads));
+  twins.push_back(std::move(camera));
   return twins;
 }
 

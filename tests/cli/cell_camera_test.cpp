@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `glint cell` with the twins of a camera and a robot, from beginning to end.
+#include <chrono>
 #include <filesystem>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -81,6 +83,44 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
   }
 }
 
+std::string told(const ServedTwins& twins, const std::string& line) {
+  return ask_side_channel(twins.of("camera")["side_channel"].get<std::string>(), line)
+      .value_or("nothing");
+}
+
+/// A person switches the ring off, and the camera has a picture of that.
+/// @return the mean grey of one
+double mean_grey_without_ring(const TemporaryFolder& folder,
+                              const ServedTwins& twins,
+                              const std::string& cell) {
+  const auto rendered = [&twins] { return json::parse(told(twins, "state"))["rendered"]; };
+  const json before = rendered();
+  const json result = json_of(folder, {"cell", "twin", "light", "twin.json", "ring", "off"});
+  EXPECT_EQ(result["on"], false);
+  for (int i = 0; i < 3000 && rendered() == before; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const json grabbed = call(folder, {"cell", "grab", cell, "--out", "without_ring"});
+  EXPECT_EQ(grabbed["complete"], 1);
+  return grabbed["frames"][0]["mean_grey"];
+}
+
+TEST(CellCamera, SeesWhatAPersonSwitches) {
+  const TemporaryFolder folder;
+  const std::string cell = kGallery / "cell.toml";
+  const ServedTwins twins(folder, "both", cell);
+  const json with_ring = call(folder, {"cell", "grab", cell, "--out", "with_ring"});
+  EXPECT_LT(mean_grey_without_ring(folder, twins, cell), with_ring["frames"][0]["mean_grey"]);
+  EXPECT_EQ(json_of(folder, {"cell", "twin", "light", "twin.json", "ring", "on"})["on"], true);
+  EXPECT_EQ(call(folder, {"cell", "grab", cell, "--out", "again"})["complete"], 1);
+  const auto picture = [&](const std::string& grab) {
+    return read_file(folder / (grab + "/sequence/frame_000.png"));
+  };
+  EXPECT_EQ(picture("again"), picture("with_ring"));
+  EXPECT_THAT(told(twins, "light bar off"), HasSubstr("no person switches a light named bar"));
+  EXPECT_THAT(told(twins, "light ring dim"), HasSubstr("on or off"));
+}
+
 TEST(CellCamera, IsListedGrabbedFromAndFollowsTheArm) {
   const TemporaryFolder folder;
   const std::string cell = "cell.toml";
@@ -113,21 +153,18 @@ TEST(CellCamera, AloneStandsAtTheFirstSafePosition) {
   EXPECT_EQ(grabbed["complete"], 2);
   EXPECT_EQ(grabbed["camera"]["sensor_px"], json::array({408, 342}));
   EXPECT_TRUE(std::filesystem::exists(folder / "grab/frames.csv"));
+  EXPECT_LT(mean_grey_without_ring(folder, twins, cell), grabbed["frames"][0]["mean_grey"]);
 }
 
 TEST(CellCamera, ItsCableIsMadeBadByItsSideChannel) {
   const TemporaryFolder folder;
   const std::string cell = kGallery / "cell.toml";
   const ServedTwins twins(folder, "camera", cell, {"--cable"});
-  const auto tell = [&twins](const std::string& line) {
-    return ask_side_channel(twins.of("camera")["side_channel"].get<std::string>(), line)
-        .value_or("nothing");
-  };
-  EXPECT_EQ(tell("cable dropped=0.05 delay_ms=1"), "ok");
-  EXPECT_THAT(tell("cable dropped=2"), HasSubstr("error"));
+  EXPECT_EQ(told(twins, "cable dropped=0.05 delay_ms=1"), "ok");
+  EXPECT_THAT(told(twins, "cable dropped=2"), HasSubstr("error"));
   const json grabbed = call(folder, {"cell", "grab", cell, "--count", "3", "--out", "grab"});
   EXPECT_EQ(grabbed["complete"], 3);
-  EXPECT_GT(json::parse(tell("state"))["cable_dropped"], 0);
+  EXPECT_GT(json::parse(told(twins, "state"))["cable_dropped"], 0);
 }
 
 TEST(CellCamera, SlipsAreNamed) {
@@ -139,13 +176,15 @@ TEST(CellCamera, SlipsAreNamed) {
                              {"cell", "twin", "camera", "cell.toml"},
                              {"cell", "list", "cell.toml"},
                              {"cell", "twin", "clock", "cell.toml"},
-                             {"cell", "twin", "camera", "cell.toml", "--port", "4000"}});
+                             {"cell", "twin", "camera", "cell.toml", "--port", "4000"},
+                             {"cell", "twin", "light", "twin.json", "ring", "dim"}});
   EXPECT_EQ(results[0].code, 3);
   EXPECT_THAT(results[1].err, HasSubstr("twin.truth"));
   EXPECT_THAT(results[2].err, HasSubstr("takes no file"));
-  EXPECT_THAT(results[3].err, HasSubstr("camera, robot, both, stop and place"));
+  EXPECT_THAT(results[3].err, HasSubstr("camera, robot, both, stop, place and light"));
   EXPECT_EQ(results[4].code, 2);
   EXPECT_THAT(results[4].err, HasSubstr("--port 4000: every camera listens at port 3956"));
+  EXPECT_THAT(results[5].err, HasSubstr("a light that a person switches, and on or off"));
 }
 
 }  // namespace

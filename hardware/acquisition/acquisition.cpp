@@ -175,16 +175,28 @@ class Acquisition {
       return;
     }
     of_device(AcquisitionCause::kCamera, [&] {
-      Camera& camera = devices_.camera;
-      if (camera.state() == CameraState::kAcquiring) {
-        camera.stop();
+      try {
+        configure_camera(exposure_us);
+      } catch (const IoError&) {
+        if (devices_.camera.state() != CameraState::kLost) {
+          throw;
+        }
+        reopen();
+        configure_camera(exposure_us);
       }
-      CameraConfiguration configuration = plan_.camera;
-      configuration.exposure_us = exposure_us;
-      camera.configure(configuration);
-      camera.start();
     });
     exposure_us_ = exposure_us;
+  }
+
+  void configure_camera(double exposure_us) {
+    Camera& camera = devices_.camera;
+    if (camera.state() == CameraState::kAcquiring) {
+      camera.stop();
+    }
+    CameraConfiguration configuration = plan_.camera;
+    configuration.exposure_us = exposure_us;
+    camera.configure(configuration);
+    camera.start();
   }
 
   /// Those that are not as they should be, or whose state nobody knows.

@@ -260,6 +260,23 @@ TEST(Acquire, TakesAPictureAgainThatWasRefusedOrLostOnce) {
   }
 }
 
+// Whenever it is lost: also while it is stopped, configured and started for another exposure.
+TEST(Acquire, OpensACameraAgainThatIsLostWhileItIsConfigured) {
+  const int steps = calls_of_a_whole_run();
+  int while_configured = 0;
+  for (int step = 1; step <= steps; ++step) {
+    Bench bench(2);
+    bench.cell.fault = FakeFault::kCameraComesBack;
+    bench.cell.fault_at = step;
+    const AcquisitionResult result = bench.run();
+    EXPECT_TRUE(result.is_complete()) << step << ": " << result.text;
+    EXPECT_EQ(bench.taken.size(), 4U);
+    EXPECT_EQ(bench.taken.back().frame.exposure_us, 200);
+    while_configured += bench.camera.lost_while_configured_;
+  }
+  EXPECT_GT(while_configured, 1);
+}
+
 TEST(Acquire, DoesNotMoveBackInAReducedSafetyMode) {
   Bench bench(1);
   bench.cell.safety = SafetyMode::kReduced;

@@ -200,6 +200,10 @@ class FakeCamera final : public Camera {
   const CameraDescription& description() const override { return description_; }
 
   void configure(const CameraConfiguration& configuration) override {
+    if (cell_.fault == FakeFault::kCameraComesBack && cell_.call(FakeFault::kCameraComesBack)) {
+      state_ = CameraState::kLost;
+      throw IoError("the camera does not answer while it is configured");
+    }
     if (cell_.call(FakeFault::kCameraTimeout)) {
       throw IoError("the camera does not answer");
     }
@@ -246,10 +250,17 @@ class FakeCamera final : public Camera {
 
   void stop() override { state_ = CameraState::kReady; }
 
-  bool reopen(std::chrono::milliseconds) override { return cell_.fault != FakeFault::kCameraLost; }
+  bool reopen(std::chrono::milliseconds) override {
+    if (state_ == CameraState::kLost) {
+      state_ = CameraState::kReady;
+      ++lost_while_configured_;
+    }
+    return cell_.fault != FakeFault::kCameraLost;
+  }
 
   void close() override { state_ = CameraState::kClosed; }
 
+  int lost_while_configured_ = 0;
   bool dim_ = false;
   double edge_px_ = 0.0;  ///< > 0: pictures of a bright square with edges of that sigma
 

@@ -30,11 +30,20 @@
 
 namespace glint {
 
-enum class CellPixelFormat { kMono8, kMono10, kMono12, kMono16, kMono10Packed, kMono12Packed };
+enum class CellPixelFormat {
+  kMono8,
+  kMono10,
+  kMono12,
+  kMono16,
+  kMono10Packed,
+  kMono12Packed,
+  kMono10p,
+  kMono12p
+};
 
 /// In the order of CellPixelFormat.
-inline constexpr std::array<std::string_view, 6> kCellPixelFormats = {
-    "mono8", "mono10", "mono12", "mono16", "mono10_packed", "mono12_packed"};
+inline constexpr std::array<std::string_view, 8> kCellPixelFormats = {
+    "mono8", "mono10", "mono12", "mono16", "mono10_packed", "mono12_packed", "mono10p", "mono12p"};
 
 /// A feature by the camera's own name for it, as the file has it: "LineSelector" = "Line1".
 struct CellFeature {

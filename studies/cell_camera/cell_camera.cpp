@@ -28,12 +28,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-constexpr std::array<PixelFormat, 6> kFormats = {PixelFormat::kMono8,
-                                                 PixelFormat::kMono10,
-                                                 PixelFormat::kMono12,
-                                                 PixelFormat::kMono16,
-                                                 PixelFormat::kMono10Packed,
-                                                 PixelFormat::kMono12Packed};
+constexpr std::array<PixelFormat, kCellPixelFormats.size()> kFormats = {PixelFormat::kMono8,
+                                                                        PixelFormat::kMono10,
+                                                                        PixelFormat::kMono12,
+                                                                        PixelFormat::kMono16,
+                                                                        PixelFormat::kMono10Packed,
+                                                                        PixelFormat::kMono12Packed,
+                                                                        PixelFormat::kMono10p,
+                                                                        PixelFormat::kMono12p};
 
 std::string moment_with_place(std::chrono::system_clock::time_point moment) {
   const auto since = moment.time_since_epoch();

@@ -153,6 +153,15 @@ TEST(CellCamera, AloneStandsAtTheFirstSafePosition) {
   EXPECT_EQ(grabbed["complete"], 2);
   EXPECT_EQ(grabbed["camera"]["sensor_px"], json::array({408, 342}));
   EXPECT_TRUE(std::filesystem::exists(folder / "grab/frames.csv"));
+  for (const char* format : {"mono10p", "mono12p"}) {
+    write_file(folder / "packed.toml",
+               fmt::format("include = [\"{}\"]\n[camera]\npixel_format = \"{}\"\n", cell, format));
+    const json packed = call(folder, {"cell", "grab", "packed.toml", "--out", format});
+    EXPECT_EQ(packed["complete"], 1);
+    EXPECT_NEAR(packed["frames"][0]["mean_grey"].get<double>(),
+                grabbed["frames"][0]["mean_grey"].get<double>(),
+                0.005);
+  }
   EXPECT_LT(mean_grey_without_ring(folder, twins, cell), grabbed["frames"][0]["mean_grey"]);
 }
 

@@ -265,10 +265,7 @@ DriverSettings AravisDriver::configure(const CameraConfiguration& configuration)
   set_exposure(configuration.exposure_us);
   set_gain(configuration);
   for (const auto& [name, value] : configuration.features) {
-    Failure refused;
-    arv_device_set_features_from_string(
-        device(), fmt::format("{}={}", name, value).c_str(), refused.slot());
-    refused.check("features." + name);
+    aravis::set_feature(device(), name, value, "features." + name);
   }
   arv_camera_set_acquisition_mode(camera, ARV_ACQUISITION_MODE_CONTINUOUS, failure.slot());
   failure.check("acquisition mode");

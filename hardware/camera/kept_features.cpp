@@ -45,6 +45,26 @@ std::optional<std::string> changeable_value(ArvDevice* device, const char* name)
 
 }  // namespace
 
+// Not by arv_device_set_features_from_string(), which takes what follows a blank for the next
+// assignment.
+void set_feature(ArvDevice* device,
+                 const std::string& name,
+                 const std::string& value,
+                 const std::string& key) {
+  ArvGcNode* const node = arv_device_get_feature(device, name.c_str());
+  if (!ARV_IS_GC_FEATURE_NODE(node)) {
+    throw ConfigError(key, "this camera has no such feature");
+  }
+  Failure failure;
+  if (ARV_IS_GC_COMMAND(node)) {
+    arv_device_execute_command(device, name.c_str(), failure.slot());
+  } else {
+    arv_gc_feature_node_set_value_from_string(
+        ARV_GC_FEATURE_NODE(node), value.c_str(), failure.slot());
+  }
+  failure.check(key);
+}
+
 NamedFeatures kept_features(ArvDevice* device) {
   NamedFeatures kept;
   for (const char* const name : kKept) {
@@ -60,10 +80,7 @@ void restore_features(ArvDevice* device, const NamedFeatures& features) {
     if (changeable_value(device, name.c_str()) == value) {
       continue;
     }
-    Failure failure;
-    arv_device_set_features_from_string(
-        device, fmt::format("{}={}", name, value).c_str(), failure.slot());
-    failure.check(name);
+    set_feature(device, name, value, name);
   }
 }
 

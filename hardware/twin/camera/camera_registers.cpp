@@ -31,6 +31,16 @@ bool is_real(std::uint32_t address) {
   return address == at::kExposureTime || address == at::kGain || address == at::kBlackLevel;
 }
 
+constexpr std::size_t kUserNameBytes = 16;
+
+/// How many bytes a write to a register has.
+std::size_t bytes_of_register(std::uint32_t address) {
+  if (address == gev::kUserName) {
+    return kUserNameBytes;
+  }
+  return is_real(address) ? 8 : 4;
+}
+
 bool decides_size(std::uint32_t address) {
   return address >= at::kWidth && address <= at::kPixelFormat;
 }
@@ -43,6 +53,7 @@ bool is_writable(std::uint32_t address) {
     case gev::kPacketSize:
     case gev::kPacketDelay:
     case gev::kStreamAddress:
+    case gev::kUserName:
     case at::kAcquisitionMode:
     case at::kAcquisitionStart:
     case at::kAcquisitionStop:
@@ -83,7 +94,7 @@ CameraRegisters::CameraRegisters(const CameraTwinSettings& settings) {
   store_text(gev::kDeviceVersion, "1", 32);
   store_text(gev::kManufacturerInfo, "a simulated camera", 48);
   store_text(gev::kSerial, settings.serial, 16);
-  store_text(gev::kUserName, settings.user_name, 16);
+  store_text(gev::kUserName, settings.user_name, kUserNameBytes);
   store_text(gev::kXmlUrl, fmt::format("Local:twin.xml;{:x};{:x}", at::kXml, xml.size()), 512);
   store_number(gev::kNetworkInterfaces, 1);
   store_number(gev::kStreamChannels, 1);
@@ -168,7 +179,7 @@ GvcpStatus CameraRegisters::check_real(std::uint32_t address, double value) cons
 }
 
 GvcpStatus CameraRegisters::write(std::uint32_t address, BytesView bytes, bool is_acquiring) {
-  const std::size_t wanted = is_real(address) ? 8 : 4;
+  const std::size_t wanted = bytes_of_register(address);
   if (address % 4 != 0) {
     return GvcpStatus::kBadAlignment;
   }

@@ -32,13 +32,17 @@ std::string category(std::string_view name, std::initializer_list<std::string_vi
   return text + "</Category>\n";
 }
 
-std::string string_register(std::string_view name, std::uint32_t address, int length) {
+std::string string_register(std::string_view name,
+                            std::uint32_t address,
+                            int length,
+                            std::string_view mode = "RO") {
   return fmt::format(
       "<StringReg Name=\"{}\" NameSpace=\"Standard\"><Address>{:#x}</Address>"
-      "<Length>{}</Length><AccessMode>RO</AccessMode><pPort>Device</pPort></StringReg>\n",
+      "<Length>{}</Length><AccessMode>{}</AccessMode><pPort>Device</pPort></StringReg>\n",
       name,
       address,
-      length);
+      length,
+      mode);
 }
 
 std::string integer_register(std::string_view name, std::uint32_t address, std::string_view mode) {
@@ -121,7 +125,11 @@ std::string categories() {
                    "AnalogControl",
                    "TransportLayerControl"}) +
          category("DeviceControl",
-                  {"DeviceVendorName", "DeviceModelName", "DeviceVersion", "DeviceSerialNumber"}) +
+                  {"DeviceVendorName",
+                   "DeviceModelName",
+                   "DeviceVersion",
+                   "DeviceSerialNumber",
+                   "DeviceUserID"}) +
          category("ImageFormatControl",
                   {"SensorWidth",
                    "SensorHeight",
@@ -192,7 +200,8 @@ std::string genicam_xml() {
          string_register("DeviceVendorName", gev::kManufacturer, 32) +
          string_register("DeviceModelName", gev::kModel, 32) +
          string_register("DeviceVersion", gev::kDeviceVersion, 32) +
-         string_register("DeviceSerialNumber", gev::kSerial, 16) + image_features() +
+         string_register("DeviceSerialNumber", gev::kSerial, 16) +
+         string_register("DeviceUserID", gev::kUserName, 16, "RW") + image_features() +
          acquisition_features() + integer("PayloadSize", twin_register::kPayloadSize, "RO", "") +
          integer("GevSCPSPacketSize", gev::kPacketSize, "RW", "<Min>576</Min><Max>65000</Max>") +
          flag("GevSCPSFireTestPacket", gev::kPacketSize, 0) +

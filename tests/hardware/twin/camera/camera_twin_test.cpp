@@ -156,6 +156,21 @@ TEST(CameraTwin, IsFoundByItsAddressAndOpenedByItsId) {
   EXPECT_TRUE(camera.capture().is_complete());
 }
 
+TEST(CameraTwin, TakesTextsWithBlanksAndQuotes) {
+  const std::uint32_t address = free_camera_address();
+  const TwinProcess process(address);
+  AravisCamera camera(ipv4_text(address));
+  for (const std::string text : {"left of line", "Gain=3 it's"}) {
+    camera.configure({.gain_db = 6.0, .features = {{"DeviceUserID", text}}});
+    const std::vector<FoundCamera> cameras = find_cameras_at({}, 500);
+    const auto found = std::ranges::find(cameras, ipv4_text(address), &FoundCamera::address);
+    ASSERT_NE(found, cameras.end());
+    EXPECT_EQ(found->user_name, text);
+  }
+  camera.start();
+  EXPECT_EQ(camera.capture().gain, 6.0);
+}
+
 // Twins on free addresses take no other than are looked at.
 TEST(CameraTwin, IsFoundAtTheLastOfTheAddressesToo) {
   const std::uint32_t address = kFirstLoopback + kLoopbackAddresses - 1;

@@ -250,7 +250,7 @@ void AravisDriver::set_packets(const CameraConfiguration& configuration) {
   if (configuration.packet_size) {
     Failure failure;
     arv_camera_gv_set_packet_size(camera_.get(), *configuration.packet_size, failure.slot());
-    failure.check("packet_size");
+    failure.check("packet_bytes");
   }
 }
 
@@ -260,7 +260,7 @@ DriverSettings AravisDriver::configure(const CameraConfiguration& configuration)
   aravis::restore_features(device(), configuration.restored);
   arv_camera_set_pixel_format_from_string(
       camera, std::string(name_of(configuration.format)).c_str(), failure.slot());
-  failure.check("format");
+  failure.check("pixel_format");
   set_region(configuration);
   set_exposure(configuration.exposure_us);
   set_gain(configuration);
@@ -287,7 +287,7 @@ void AravisDriver::check_packet_size() {
   }
   const auto size = static_cast<int>(arv_camera_gv_get_packet_size(camera_.get(), nullptr));
   if (size < *configuration_.packet_size) {
-    throw ConfigError("packet_size",
+    throw ConfigError("packet_bytes",
                       fmt::format("packets of {} bytes do not get through, at most {} do",
                                   *configuration_.packet_size,
                                   size));

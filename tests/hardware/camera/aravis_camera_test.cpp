@@ -63,6 +63,8 @@ TEST(AravisCamera, RefusesWhatTheCameraDoesNotAllow) {
               HasSubstr("region_px: 100 x 9 pixels from (2000, 0) do not lie on the sensor"));
   EXPECT_THAT(configure_error(camera, {.features = {{"NoSuchFeature", "1"}}}),
               HasSubstr("features.NoSuchFeature"));
+  EXPECT_THAT(configure_error(camera, {.format = PixelFormat::kMono12Packed}),
+              HasSubstr("pixel_format: "));
   EXPECT_EQ(camera.state(), CameraState::kReady);
 }
 

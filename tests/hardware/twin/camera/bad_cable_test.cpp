@@ -141,7 +141,7 @@ TEST_F(LossyCable, PacketsThatAreTooLongAreFoundByTheTestPacket) {
     camera.start();
     FAIL() << "no error";
   } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("packet_size"));
+    EXPECT_THAT(error.what(), HasSubstr("packet_bytes: "));
     EXPECT_THAT(error.what(), HasSubstr("packets of 9000 bytes do not get through"));
   }
   EXPECT_GT(cable_.counts().dropped, 0U);

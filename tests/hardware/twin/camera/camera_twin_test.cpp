@@ -15,6 +15,7 @@
 #include "hardware/twin/camera/test_pattern.h"
 #include "tests/hardware/twin/camera/twin_process.h"
 #include "tests/support/process_sockets.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {
@@ -128,6 +129,10 @@ TEST(CameraTwin, TellsWhatItIs) {
   EXPECT_GT(frame.camera_time_ns, 0U);
 }
 
+std::string configure_refusal(Camera& camera, const CameraConfiguration& configuration) {
+  return text_thrown_by<ConfigError>([&] { camera.configure(configuration); });
+}
+
 TEST(CameraTwin, RefusesWhatIsOutOfRange) {
   const std::uint32_t address = test_address(4);
   const TwinProcess process(address);
@@ -137,7 +142,8 @@ TEST(CameraTwin, RefusesWhatIsOutOfRange) {
   EXPECT_THROW(camera.configure({.features = {{"BlackLevel", "-1"}}}), ConfigError);
   EXPECT_THROW(camera.configure({.features = {{"SensorWidth", "100"}}}), ConfigError)
       << "nobody may set it";
-  EXPECT_THROW(camera.configure({.packet_size = 70000}), ConfigError);
+  EXPECT_THAT(configure_refusal(camera, {.packet_size = 70000}),
+              testing::HasSubstr("packet_bytes: "));
   camera.configure({.exposure_us = 10.0});
 }
 

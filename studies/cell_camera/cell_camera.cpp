@@ -66,20 +66,8 @@ Json described(const CameraDescription& camera) {
           {"packet_sockets", camera.has_packet_sockets}};
 }
 
-Json told_frame(const Frame& frame, const std::string& file) {
-  Json json = {{"file", file},
-               {"status", name_of(frame.status)},
-               {"what", frame.what},
-               {"frame_id", frame.frame_id},
-               {"camera_time_ns", frame.camera_time_ns},
-               {"host_time", moment_with_place(frame.host_time)},
-               {"exposure_us", frame.exposure_us},
-               {"gain", frame.gain},
-               {"retakes", frame.retakes},
-               {"late_frames", frame.late_frames}};
-  if (!frame.is_complete()) {
-    return json;
-  }
+/// What a picture's grey values say.
+void add_levels(const Frame& frame, Json& json) {
   double sum = 0.0;
   std::int64_t clipped = 0;
   const int largest = (1 << bits_of(frame.format)) - 1;
@@ -90,7 +78,33 @@ Json told_frame(const Frame& frame, const std::string& file) {
   const auto pixels = static_cast<double>(frame.codes.size());
   json["mean_grey"] = sum / pixels / largest;
   json["clipped_share"] = static_cast<double>(clipped) / pixels;
+}
+
+Json told_frame(const Frame& frame, const std::string& file) {
+  Json json = {{"file", file},
+               {"status", name_of(frame.status)},
+               {"what", frame.what},
+               {"frame_id", frame.frame_id},
+               {"camera_time_ns", nullptr},
+               {"host_time", nullptr},
+               {"exposure_us", frame.exposure_us},
+               {"gain", frame.gain},
+               {"retakes", frame.retakes},
+               {"late_frames", frame.late_frames}};
+  if (!frame.is_complete()) {
+    return json;
+  }
+  if (frame.camera_time_ns != 0) {
+    json["camera_time_ns"] = frame.camera_time_ns;
+  }
+  json["host_time"] = moment_with_place(frame.host_time);
+  add_levels(frame, json);
   return json;
+}
+
+/// A field of a table that is empty where nothing is known.
+std::string field_of(const Json& value) {
+  return value.is_null() ? "" : value.is_string() ? value.get<std::string>() : value.dump();
 }
 
 std::string csv_of(const Json& frames) {
@@ -107,8 +121,8 @@ std::string csv_of(const Json& frames) {
     text += csv_row_of(frame["file"].get<std::string>(),
                        frame["status"].get<std::string>(),
                        frame["frame_id"].get<std::uint64_t>(),
-                       frame["camera_time_ns"].get<std::uint64_t>(),
-                       frame["host_time"].get<std::string>(),
+                       field_of(frame["camera_time_ns"]),
+                       field_of(frame["host_time"]),
                        frame["exposure_us"].get<double>(),
                        frame["gain"].get<double>(),
                        frame["retakes"].get<int>(),

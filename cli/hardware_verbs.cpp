@@ -341,9 +341,10 @@ void add_plan_verb(CLI::App& app, CommandLine& line) {
 }
 
 void add_cell_twin_options(CLI::App& cell, CellArguments& arguments) {
-  cell.add_option("--port", arguments.port, "twin: first port; 0: free ones; else the cell's")
+  cell.add_option(
+          "--port", arguments.port, "twin: first of five ports; 0: free ones; else the cell's")
       ->type_name("N")
-      ->check(between(0, 65532));
+      ->check(between(0, 65531));
   cell.add_flag("--cable", arguments.has_cable, "twin: the camera's cable can be made bad");
   cell.add_flag("--detach", arguments.is_detached, "twin: go on in the background");
   const auto add_file = [&cell](const char* name, auto& file, const char* doc) {

@@ -186,7 +186,8 @@ TEST(CellCamera, SlipsAreNamed) {
                              {"cell", "list", "cell.toml"},
                              {"cell", "twin", "clock", "cell.toml"},
                              {"cell", "twin", "camera", "cell.toml", "--port", "4000"},
-                             {"cell", "twin", "light", "twin.json", "ring", "dim"}});
+                             {"cell", "twin", "light", "twin.json", "ring", "dim"},
+                             {"cell", "twin", "both", "cell.toml", "--port", "65532"}});
   EXPECT_EQ(results[0].code, 3);
   EXPECT_THAT(results[1].err, HasSubstr("twin.truth"));
   EXPECT_THAT(results[2].err, HasSubstr("takes no file"));
@@ -194,6 +195,9 @@ TEST(CellCamera, SlipsAreNamed) {
   EXPECT_EQ(results[4].code, 2);
   EXPECT_THAT(results[4].err, HasSubstr("--port 4000: every camera listens at port 3956"));
   EXPECT_THAT(results[5].err, HasSubstr("a light that a person switches, and on or off"));
+  EXPECT_EQ(results[6].code, 2);
+  EXPECT_THAT(results[6].err, HasSubstr("65531"))
+      << "the stage listens at the fourth port after it";
 }
 
 }  // namespace

@@ -34,18 +34,16 @@ json call(const TemporaryFolder& folder, Arguments arguments) {
   return json_of(folder, arguments);
 }
 
-/// Two sockets of the camera, four ports of the robot and one of the stage, none of which anybody
-/// else on the network can reach.
-void expect_loopback_alone(const ServedTwins& twins) {
-  int udp = 0;
-  int listening = 0;
+/// Sockets that nobody else on the network can reach.
+/// @param udp, listening  how many there are
+void expect_loopback_alone(const ServedTwins& twins, int udp, int listening) {
   for (const ProcessSocket& socket : sockets_of(twins.process())) {
     EXPECT_TRUE(socket.is_on_loopback()) << socket.text();
-    udp += socket.table == "udp" ? 1 : 0;
-    listening += socket.is_listening ? 1 : 0;
+    udp -= socket.table == "udp" ? 1 : 0;
+    listening -= socket.is_listening ? 1 : 0;
   }
-  EXPECT_EQ(udp, 2);
-  EXPECT_EQ(listening, 5);
+  EXPECT_EQ(udp, 0) << "fewer or more";
+  EXPECT_EQ(listening, 0) << "fewer or more";
 }
 
 /// What reads pictures has nothing to say to a robot, though the cell has one. Features of the cell
@@ -53,12 +51,13 @@ void expect_loopback_alone(const ServedTwins& twins) {
 /// @param mean_grey  of the picture without them
 void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
                                         const std::string& cell,
-                                        const std::string& camera_address,
+                                        const ServedTwins& twins,
                                         double mean_grey) {
   const CountingPeer rtde;
   const CountingPeer primary;
   const CountingPeer secondary;
   const CountingPeer dashboard;
+  const std::string camera_address = twins.of("camera")["address"];
   write_file(folder / "counted.toml",
              fmt::format("include = [\"{}\"]\n[camera]\naddress = \"{}\"\n"
                          "[camera.features]\nBlackLevel = 220.75\n[robot]\nrtde_port = {}\n"
@@ -75,6 +74,9 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
     is_listed = is_listed || (camera["address"] == camera_address && camera["twin"] == true);
   }
   EXPECT_TRUE(is_listed) << list;
+  const json robot = {
+      {"address", "127.0.0.1"}, {"rtde_port", twins.of("robot")["rtde_port"]}, {"twin", true}};
+  EXPECT_THAT(list["robots"], testing::Contains(robot));
   const json grabbed = json_of(folder, {"cell", "grab", "counted.toml", "--out", "counted"});
   EXPECT_EQ(grabbed["complete"], 1);
   EXPECT_NEAR(grabbed["frames"][0]["mean_grey"].get<double>(), mean_grey + 0.05, 0.005);
@@ -129,7 +131,7 @@ TEST(CellCamera, IsListedGrabbedFromAndFollowsTheArm) {
                          "motion_speedup = 10\n[stage]\nhost = \"127.0.0.1\"\n",
                          kGallery.string()));
   const ServedTwins twins(folder, "both", cell);
-  expect_loopback_alone(twins);
+  expect_loopback_alone(twins, 2, 5);  // of the camera; four of the robot, one of the stage
   const json above = call(folder, {"cell", "grab", cell, "--count", "3", "--out", "above"});
   EXPECT_EQ(above["complete"], 3);
   EXPECT_GT(above["frames"][0]["mean_grey"], 0.05);
@@ -141,8 +143,7 @@ TEST(CellCamera, IsListedGrabbedFromAndFollowsTheArm) {
   const json left = call(folder, {"cell", "grab", cell, "--out", "left"});
   EXPECT_EQ(left["complete"], 1);
   EXPECT_NE(picture("above"), picture("left"));
-  expect_list_and_grab_call_no_robot(
-      folder, cell, twins.of("camera")["address"], left["frames"][0]["mean_grey"]);
+  expect_list_and_grab_call_no_robot(folder, cell, twins, left["frames"][0]["mean_grey"]);
 }
 
 TEST(CellCamera, AloneStandsAtTheFirstSafePosition) {
@@ -171,6 +172,7 @@ TEST(CellCamera, ItsCableIsMadeBadByItsSideChannel) {
   const ServedTwins twins(folder, "camera", cell, {"--cable"});
   EXPECT_EQ(told(twins, "cable dropped=0.05 delay_ms=1"), "ok");
   EXPECT_THAT(told(twins, "cable dropped=2"), HasSubstr("error"));
+  expect_loopback_alone(twins, 6, 0);  // two of the camera, four of the cable
   const json grabbed = call(folder, {"cell", "grab", cell, "--count", "3", "--out", "grab"});
   EXPECT_EQ(grabbed["complete"], 3);
   EXPECT_GT(json::parse(told(twins, "state"))["cable_dropped"], 0);

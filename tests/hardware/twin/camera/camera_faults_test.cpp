@@ -84,6 +84,7 @@ TEST(FrozenCamera, OfOneAndAHalfSecondsGoesOn) {
 TEST(FrozenCamera, OfSixSecondsIsLostAndComesBack) {
   TwinProcess process(test_address(25));
   const auto camera = started_camera(test_address(25));
+  const auto frozen = Clock::now();
   process.freeze();
   std::jthread thaw([&] {
     std::this_thread::sleep_for(milliseconds(6000));
@@ -92,6 +93,7 @@ TEST(FrozenCamera, OfSixSecondsIsLostAndComesBack) {
   EXPECT_EQ(camera->capture().status, FrameStatus::kLost);
   ASSERT_TRUE(camera->reopen(milliseconds(20000)));
   EXPECT_TRUE(camera->capture().is_complete());
+  EXPECT_LT(seconds_since(frozen), 6.0 + 8.0);
 }
 #endif
 

@@ -11,6 +11,7 @@
 #include "hardware/camera/aravis_camera.h"
 #include "hardware/camera/find_cameras.h"
 #include "hardware/camera/kept_features.h"
+#include "hardware/camera/sensor_region.h"
 #include "hardware/gige/udp_socket.h"
 
 namespace glint {
@@ -69,7 +70,7 @@ class AravisDriver final : public CameraDriver {
   }
 
   void describe_ranges(CameraDescription& description);
-  void set_region(const CameraConfiguration& configuration);
+  void set_features(const NamedFeatures& features, bool are_of_size);
   void set_exposure(double exposure_us);
   void set_gain(const CameraConfiguration& configuration);
   void set_packets(const CameraConfiguration& configuration);
@@ -146,47 +147,16 @@ void AravisDriver::describe_ranges(CameraDescription& description) {
   }
 }
 
-void check_region(const SensorRegion& region, const SensorRegion& sensor) {
-  if (region.x_px < 0 || region.y_px < 0 || region.width_px < 1 || region.height_px < 1 ||
-      region.x_px + region.width_px > sensor.width_px ||
-      region.y_px + region.height_px > sensor.height_px) {
-    throw ConfigError(
-        "region_px",
-        fmt::format("{} x {} pixels from ({}, {}) do not lie on the sensor of {} x {}",
-                    region.width_px,
-                    region.height_px,
-                    region.x_px,
-                    region.y_px,
-                    sensor.width_px,
-                    sensor.height_px));
-  }
+/// By which pixels of the sensor one of a picture is made: what a region may be depends on them.
+bool is_of_size(const std::string& feature) {
+  return feature.starts_with("Binning") || feature.starts_with("Decimation");
 }
 
-void AravisDriver::set_region(const CameraConfiguration& configuration) {
-  ArvCamera* camera = camera_.get();
-  SensorRegion region;
-  Failure failure;
-  arv_camera_get_sensor_size(camera, &region.width_px, &region.height_px, failure.slot());
-  failure.check("sensor size");
-  const SensorRegion sensor = region;
-  if (configuration.region) {
-    region = *configuration.region;
-  }
-  check_region(region, sensor);
-  arv_camera_set_region(
-      camera, region.x_px, region.y_px, region.width_px, region.height_px, failure.slot());
-  failure.check("region_px");
-  SensorRegion set;
-  arv_camera_get_region(
-      camera, &set.x_px, &set.y_px, &set.width_px, &set.height_px, failure.slot());
-  failure.check("region_px");
-  if (set != region) {
-    throw ConfigError("region_px",
-                      fmt::format("this camera makes of it {} x {} pixels from ({}, {})",
-                                  set.width_px,
-                                  set.height_px,
-                                  set.x_px,
-                                  set.y_px));
+void AravisDriver::set_features(const NamedFeatures& features, bool are_of_size) {
+  for (const auto& [name, value] : features) {
+    if (is_of_size(name) == are_of_size) {
+      aravis::set_feature(device(), name, value, "features." + name);
+    }
   }
 }
 
@@ -261,12 +231,11 @@ DriverSettings AravisDriver::configure(const CameraConfiguration& configuration)
   arv_camera_set_pixel_format_from_string(
       camera, std::string(name_of(configuration.format)).c_str(), failure.slot());
   failure.check("pixel_format");
-  set_region(configuration);
+  set_features(configuration.features, true);
+  aravis::set_region(camera, configuration.region);
   set_exposure(configuration.exposure_us);
   set_gain(configuration);
-  for (const auto& [name, value] : configuration.features) {
-    aravis::set_feature(device(), name, value, "features." + name);
-  }
+  set_features(configuration.features, false);
   arv_camera_set_acquisition_mode(camera, ARV_ACQUISITION_MODE_CONTINUOUS, failure.slot());
   failure.check("acquisition mode");
   arv_camera_set_trigger(camera, "Software", failure.slot());

@@ -41,8 +41,12 @@ std::size_t bytes_of_register(std::uint32_t address) {
   return is_real(address) ? 8 : 4;
 }
 
+bool is_binning(std::uint32_t address) {
+  return address == at::kBinningHorizontal || address == at::kBinningVertical;
+}
+
 bool decides_size(std::uint32_t address) {
-  return address >= at::kWidth && address <= at::kPixelFormat;
+  return is_binning(address) || (address >= at::kWidth && address <= at::kPixelFormat);
 }
 
 bool is_writable(std::uint32_t address) {
@@ -106,6 +110,8 @@ CameraRegisters::CameraRegisters(const CameraTwinSettings& settings) {
   store_number(at::kSensorHeight, static_cast<std::uint32_t>(settings.sensor_height_px));
   store_number(at::kWidth, static_cast<std::uint32_t>(settings.sensor_width_px));
   store_number(at::kHeight, static_cast<std::uint32_t>(settings.sensor_height_px));
+  store_number(at::kBinningHorizontal, 1);
+  store_number(at::kBinningVertical, 1);
   store_number(at::kPixelFormat, genicam_number(PixelFormat::kMono8));
   const CaptureSettings defaults;
   store_real(at::kExposureTime, defaults.exposure_us);
@@ -148,15 +154,16 @@ GvcpStatus CameraRegisters::check_number(std::uint32_t address, std::uint32_t va
   const std::uint64_t wide = value;
   switch (address) {
     case at::kWidth:
-      return valid_if(value > 0 &&
-                      wide + read_number(at::kOffsetX) <= read_number(at::kSensorWidth));
+      return valid_if(value > 0 && wide + read_number(at::kOffsetX) <= full_width_px());
     case at::kHeight:
-      return valid_if(value > 0 &&
-                      wide + read_number(at::kOffsetY) <= read_number(at::kSensorHeight));
+      return valid_if(value > 0 && wide + read_number(at::kOffsetY) <= full_height_px());
     case at::kOffsetX:
-      return valid_if(wide + read_number(at::kWidth) <= read_number(at::kSensorWidth));
+      return valid_if(wide + read_number(at::kWidth) <= full_width_px());
     case at::kOffsetY:
-      return valid_if(wide + read_number(at::kHeight) <= read_number(at::kSensorHeight));
+      return valid_if(wide + read_number(at::kHeight) <= full_height_px());
+    case at::kBinningHorizontal:
+    case at::kBinningVertical:
+      return valid_if(value >= 1 && value <= kMaxTwinBinning);
     case at::kPixelFormat:
       return valid_if(pixel_format_of_number(value).has_value());
     case gev::kStreamAddress:
@@ -178,6 +185,15 @@ GvcpStatus CameraRegisters::check_real(std::uint32_t address, double value) cons
                   value <= (address == at::kGain ? kMaxTwinGainDb : kMaxTwinBlackLevel));
 }
 
+GvcpStatus CameraRegisters::check(std::uint32_t address, BytesView bytes) const {
+  const std::uint32_t value = read_u32(bytes, 0);
+  if (!is_real(address)) {
+    return check_number(address, value);
+  }
+  const std::uint64_t bits = (static_cast<std::uint64_t>(value) << 32U) | read_u32(bytes, 4);
+  return check_real(address, std::bit_cast<double>(bits));
+}
+
 GvcpStatus CameraRegisters::write(std::uint32_t address, BytesView bytes, bool is_acquiring) {
   const std::size_t wanted = bytes_of_register(address);
   if (address % 4 != 0) {
@@ -193,20 +209,33 @@ GvcpStatus CameraRegisters::write(std::uint32_t address, BytesView bytes, bool i
     return GvcpStatus::kAccessDenied;
   }
   const std::uint32_t value = read_u32(bytes, 0);
-  const GvcpStatus status =
-      is_real(address)
-          ? check_real(address,
-                       std::bit_cast<double>((static_cast<std::uint64_t>(value) << 32U) |
-                                             read_u32(bytes, 4)))
-          : check_number(address, value);
+  const GvcpStatus status = check(address, bytes);
   if (status == GvcpStatus::kSuccess) {
     std::ranges::copy(bytes, memory_.begin() + address);
     if (address == gev::kPacketSize) {
       store_number(address, value & (kPacketSizeMask | kDoNotFragment));
     }
+    if (is_binning(address)) {
+      show_all();
+    }
     update_payload_size();
   }
   return status;
+}
+
+std::uint32_t CameraRegisters::full_width_px() const {
+  return read_number(at::kSensorWidth) / read_number(at::kBinningHorizontal);
+}
+
+std::uint32_t CameraRegisters::full_height_px() const {
+  return read_number(at::kSensorHeight) / read_number(at::kBinningVertical);
+}
+
+void CameraRegisters::show_all() {
+  store_number(at::kOffsetX, 0);
+  store_number(at::kOffsetY, 0);
+  store_number(at::kWidth, full_width_px());
+  store_number(at::kHeight, full_height_px());
 }
 
 PixelFormat CameraRegisters::format() const {
@@ -234,7 +263,27 @@ void CameraRegisters::update_payload_size() {
   store_number(at::kPayloadSize, static_cast<std::uint32_t>(bytes_of(format(), pixels)));
 }
 
-Bytes CameraRegisters::payload_of(const Image<std::uint16_t>& sensor) const {
+Image<std::uint16_t> CameraRegisters::binned(const Image<std::uint16_t>& sensor) const {
+  const auto across = static_cast<int>(read_number(at::kBinningHorizontal));
+  const auto down = static_cast<int>(read_number(at::kBinningVertical));
+  Image<std::uint16_t> means(sensor.width() / across, sensor.height() / down);
+  for (int y = 0; y < means.height(); ++y) {
+    for (int x = 0; x < means.width(); ++x) {
+      int sum = 0;
+      for (int i = 0; i < across * down; ++i) {
+        sum += sensor(across * x + i % across, down * y + i / across);
+      }
+      means(x, y) = static_cast<std::uint16_t>(sum / (across * down));
+    }
+  }
+  return means;
+}
+
+Bytes CameraRegisters::payload_of(const Image<std::uint16_t>& whole) const {
+  const bool is_binned =
+      read_number(at::kBinningHorizontal) * read_number(at::kBinningVertical) > 1;
+  const Image<std::uint16_t> means = is_binned ? binned(whole) : Image<std::uint16_t>();
+  const Image<std::uint16_t>& sensor = is_binned ? means : whole;
   const StreamLeader region = leader();
   const auto width = static_cast<std::size_t>(region.width_px);
   if (static_cast<int>(region.width_px) == sensor.width() &&

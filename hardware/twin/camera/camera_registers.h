@@ -46,16 +46,21 @@ class CameraRegisters {
   /// What is sent of the sensor.
   StreamLeader leader() const;
 
-  /// The picture's bytes: the region cut out, in the pixel format.
-  Bytes payload_of(const Image<std::uint16_t>& sensor) const;
+  /// The picture's bytes: binned pixels as their means, the region cut out, in the pixel format.
+  Bytes payload_of(const Image<std::uint16_t>& whole) const;
 
  private:
   double read_real(std::uint32_t address) const;
   void store_real(std::uint32_t address, double value);
   void store_text(std::uint32_t address, const std::string& text, std::size_t size);
+  GvcpStatus check(std::uint32_t address, BytesView bytes) const;
   GvcpStatus check_number(std::uint32_t address, std::uint32_t value) const;
   GvcpStatus check_real(std::uint32_t address, double value) const;
   void update_payload_size();
+  std::uint32_t full_width_px() const;  ///< of the sensor, in binned pixels
+  std::uint32_t full_height_px() const;
+  void show_all();
+  Image<std::uint16_t> binned(const Image<std::uint16_t>& sensor) const;
 
   Bytes memory_;
 };

@@ -133,6 +133,8 @@ std::string categories() {
          category("ImageFormatControl",
                   {"SensorWidth",
                    "SensorHeight",
+                   "BinningHorizontal",
+                   "BinningVertical",
                    "Width",
                    "Height",
                    "OffsetX",
@@ -158,19 +160,24 @@ std::string image_features() {
   for (const PixelFormat format : kPixelFormats) {
     formats.emplace_back(name_of(format), genicam_number(format));
   }
-  const auto side = [](std::string_view name, std::string_view sensor, std::string_view offset) {
+  const auto side = [](std::string_view name, std::string_view axis, std::string_view other) {
     return fmt::format(
-        "<IntSwissKnife Name=\"{0}Max\"><pVariable Name=\"S\">{1}Reg</pVariable>"
-        "<pVariable Name=\"O\">{2}Reg</pVariable><Formula>S - O</Formula></IntSwissKnife>\n",
+        "<IntSwissKnife Name=\"{0}Max\"><pVariable Name=\"S\">Sensor{1}Reg</pVariable>"
+        "<pVariable Name=\"B\">Binning{2}Reg</pVariable><pVariable Name=\"O\">{3}Reg</pVariable>"
+        "<Formula>S / B - O</Formula></IntSwissKnife>\n",
         name,
-        sensor,
-        offset);
+        axis,
+        axis == "Width" ? "Horizontal" : "Vertical",
+        other);
   };
+  const std::string binning = fmt::format("<Min>1</Min><Max>{}</Max>", kMaxTwinBinning);
   namespace at = twin_register;
   return integer("SensorWidth", at::kSensorWidth, "RO", "") +
-         integer("SensorHeight", at::kSensorHeight, "RO", "") +
-         side("Width", "SensorWidth", "OffsetX") + side("Height", "SensorHeight", "OffsetY") +
-         side("OffsetX", "SensorWidth", "Width") + side("OffsetY", "SensorHeight", "Height") +
+         integer("SensorHeight", at::kSensorHeight, "RO", "") + side("Width", "Width", "OffsetX") +
+         side("Height", "Height", "OffsetY") + side("OffsetX", "Width", "Width") +
+         side("OffsetY", "Height", "Height") +
+         integer("BinningHorizontal", at::kBinningHorizontal, "RW", binning) +
+         integer("BinningVertical", at::kBinningVertical, "RW", binning) +
          integer("Width", at::kWidth, "RW", "<Min>1</Min><pMax>WidthMax</pMax>") +
          integer("Height", at::kHeight, "RW", "<Min>1</Min><pMax>HeightMax</pMax>") +
          integer("OffsetX", at::kOffsetX, "RW", "<Min>0</Min><pMax>OffsetXMax</pMax>") +

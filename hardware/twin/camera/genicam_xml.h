@@ -28,6 +28,8 @@ inline constexpr std::uint32_t kTriggerSoftware = 0x1021c;
 inline constexpr std::uint32_t kExposureTime = 0x10220;  ///< three numbers of 8 bytes
 inline constexpr std::uint32_t kGain = 0x10228;
 inline constexpr std::uint32_t kBlackLevel = 0x10230;
+inline constexpr std::uint32_t kBinningHorizontal = 0x10238;
+inline constexpr std::uint32_t kBinningVertical = 0x1023c;
 inline constexpr std::uint32_t kXml = 0x20000;
 }  // namespace twin_register
 
@@ -35,6 +37,7 @@ inline constexpr double kMinTwinExposureUs = 10.0;
 inline constexpr double kMaxTwinExposureUs = 1e7;
 inline constexpr double kMaxTwinGainDb = 24.0;
 inline constexpr double kMaxTwinBlackLevel = 255.0;
+inline constexpr std::uint32_t kMaxTwinBinning = 4;
 
 /// GenApi 1.1.
 std::string genicam_xml();

@@ -63,7 +63,8 @@ TEST(LostCamera, IsNoticedLeftAndFoundAgainWithSettingsThatNobodyNames) {
   // What the camera itself says, in which the last one left it.
   const auto driver = open_aravis_driver(ipv4_text(address));
   EXPECT_EQ(driver->configure(small_configuration()).others,
-            NamedFeatures({{"BlackLevel", "32.5"}}));
+            NamedFeatures(
+                {{"BinningHorizontal", "1"}, {"BinningVertical", "1"}, {"BlackLevel", "32.5"}}));
 }
 
 TEST(FrozenCamera, OfOneAndAHalfSecondsGoesOn) {

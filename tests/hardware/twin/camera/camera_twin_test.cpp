@@ -99,6 +99,34 @@ TEST(CameraTwin, ShowsAllFormatsAndRegions) {
   }
 }
 
+// Binned pixels are fewer, and a region of before leaves offsets behind.
+TEST(CameraTwin, ShowsTheWholeSensorWithAndWithoutBinning) {
+  const std::uint32_t address = test_address(33);
+  const TwinProcess process(address, 1);
+  AravisCamera camera(ipv4_text(address));
+  CameraConfiguration configuration = configuration_of(PixelFormat::kMono8);
+  configuration.region = SensorRegion{.x_px = 1500, .y_px = 1200, .width_px = 64, .height_px = 48};
+  camera.configure(configuration);
+  configuration.region.reset();
+  for (std::uint64_t number = 0; number < 2; ++number) {
+    const int binning = number == 0 ? 2 : 1;
+    configuration.features = {{"BinningHorizontal", std::to_string(binning)},
+                              {"BinningVertical", std::to_string(binning)}};
+    camera.configure(configuration);
+    camera.start();
+    const Frame frame = camera.capture();
+    ASSERT_TRUE(frame.is_complete()) << frame.what;
+    ASSERT_EQ(frame.codes.width(), kTwinWidth / binning);
+    ASSERT_EQ(frame.codes.height(), kTwinHeight / binning);
+    const auto whole = test_pattern(kTwinWidth, kTwinHeight, 8, number);
+    const int mean = (whole(10, 20) + whole(11, 20) + whole(10, 21) + whole(11, 21)) / 4;
+    EXPECT_EQ(frame.codes(10 / binning, 20 / binning), binning == 2 ? mean : whole(10, 20));
+    camera.stop();
+  }
+  configuration.features = {{"BinningHorizontal", "5"}};
+  EXPECT_THROW(camera.configure(configuration), ConfigError);
+}
+
 TEST(CameraTwin, TellsWhatItIs) {
   const std::uint32_t address = test_address(3);
   const TwinProcess process(address);

@@ -212,8 +212,19 @@ TEST(UrRobot, AsksForRemoteControlBeforeEachMotion) {
   EXPECT_THAT(result.text, HasSubstr("remote control is off"));
 }
 
-/// A fault on the way to a goal, and what the product makes of it. A goal that is not to be reached
-/// is seconds away: a busy machine may notice the fault late.
+/// Somebody else's fault, a moment after the arm has begun to move. @return when
+std::chrono::steady_clock::time_point fault_in_motion(TwinServer& server, FaultKind fault) {
+  for (int i = 0; i < 1000 && server.view().is_still; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  const auto now = std::chrono::steady_clock::now();
+  server.add_fault({.kind = fault});
+  return now;
+}
+
+/// A fault on the way to a goal, what the product makes of it, and how soon. A goal that is not to
+/// be reached is seconds away.
 void expect_outcome(FaultKind fault, MotionOutcome outcome) {
   JointVector goal_rad = near_goal_rad();
   goal_rad[0] += outcome == MotionOutcome::kDone ? 0.0 : 1.5;
@@ -221,9 +232,14 @@ void expect_outcome(FaultKind fault, MotionOutcome outcome) {
   const UrSettings settings = settings_for(server, ArmModel::kUr3);
   UrRobot robot(settings, arm_with_tool(settings, test_limits()));
   robot.allow_motion(MotionPermit::from_command_line(true, "test"));
-  server.add_fault({.kind = fault, .when = Fault::When::kMoving, .delay_s = 0.2});
+  std::chrono::steady_clock::time_point faulted;
+  std::jthread other([&] { faulted = fault_in_motion(server, fault); });
   const MotionResult result = robot.move_joints(goal_rad, 1.0);
+  const auto told = std::chrono::steady_clock::now();
+  other.join();
   EXPECT_EQ(name_of(result.outcome), name_of(outcome)) << result.text;
+  EXPECT_TRUE(outcome == MotionOutcome::kDone || told - faulted < std::chrono::milliseconds(1000))
+      << name_of(outcome) << ": half a second, and half a second of a busy machine";
   if (outcome == MotionOutcome::kLost) {
     // A stop went out on the connection that was left, or on a new one.
     std::this_thread::sleep_for(std::chrono::milliseconds(700));

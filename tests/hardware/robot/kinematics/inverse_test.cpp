@@ -6,15 +6,15 @@
 #include "core/units.h"
 #include "hardware/robot/kinematics/arm.h"
 #include "tests/hardware/robot/kinematics/arm_poses.h"
-
-#ifndef GLINT_NUM_POSES
-#define GLINT_NUM_POSES 2000
-#endif
+#include "tests/support/count_from.h"
 
 namespace glint {
 namespace {
 
-constexpr std::uint64_t kPoses = GLINT_NUM_POSES;
+std::uint64_t num_poses() {
+  return static_cast<std::uint64_t>(count_from("GLINT_NUM_POSES", 2000));
+}
+
 constexpr std::array<ArmModel, 3> kModels = {ArmModel::kUr3, ArmModel::kUr3e, ArmModel::kUr5e};
 
 /// Every solution reaches the pose, all differ, and the joints that made the pose are among them.
@@ -37,7 +37,7 @@ void expect_all_branches(const Arm& arm, const JointVector& joints_rad) {
 }
 
 TEST(ArmInverse, FindsEveryBranchOfReachablePosesInClosedForm) {
-  for (std::uint64_t i = 0; i < kPoses; ++i) {
+  for (std::uint64_t i = 0; i < num_poses(); ++i) {
     expect_all_branches(Arm(kModels[i % 3]), random_joints(i));
   }
 }
@@ -60,7 +60,7 @@ constexpr double kHealthyMeasure = 0.001;
 TEST(ArmInverse, RefinesEachBranchOnACalibratedArm) {
   std::uint64_t healthy = 0;
   std::uint64_t missed = 0;
-  const std::uint64_t count = kPoses / 4;
+  const std::uint64_t count = num_poses() / 4;
   for (std::uint64_t i = 0; i < count; ++i) {
     const ArmModel model = kModels[i % 3];
     const Arm arm(model, typical_deltas(model));

@@ -12,14 +12,7 @@
 #include "hardware/twin/camera/test_pattern.h"
 #include "tests/hardware/twin/camera/started_camera.h"
 #include "tests/hardware/twin/camera/twin_process.h"
-
-#ifdef GLINT_MANY_FRAMES
-constexpr int kFramesAtOnePercent = GLINT_MANY_FRAMES;
-constexpr int kFramesAtFivePercent = GLINT_MANY_FRAMES;
-#else
-constexpr int kFramesAtOnePercent = 20;
-constexpr int kFramesAtFivePercent = 10;
-#endif
+#include "tests/support/count_from.h"
 
 namespace glint {
 namespace {
@@ -93,8 +86,9 @@ class LossyCable : public testing::Test {
 TEST_F(LossyCable, OnePercentLostIsDeliveredInFull) {
   const auto camera = started_camera(test_address(22));
   cable_.set_faults({.dropped = 0.01});
-  const Delivered delivered = deliver(*camera, kFramesAtOnePercent);
-  EXPECT_EQ(delivered.complete, kFramesAtOnePercent);
+  const int frames = count_from("GLINT_MANY_FRAMES", 20);
+  const Delivered delivered = deliver(*camera, frames);
+  EXPECT_EQ(delivered.complete, frames);
   EXPECT_TRUE(delivered.is_paired);
   EXPECT_GT(cable_.counts().resent, 0U);
 }
@@ -102,10 +96,11 @@ TEST_F(LossyCable, OnePercentLostIsDeliveredInFull) {
 TEST_F(LossyCable, FivePercentLostIsDeliveredOrNamed) {
   const auto camera = started_camera(test_address(22));
   cable_.set_faults({.dropped = 0.05});
-  const Delivered delivered = deliver(*camera, kFramesAtFivePercent);
+  const int frames = count_from("GLINT_MANY_FRAMES", 10);
+  const Delivered delivered = deliver(*camera, frames);
   std::printf("%d complete, %d named\n", delivered.complete, delivered.named);
-  EXPECT_EQ(delivered.complete + delivered.named, kFramesAtFivePercent);
-  EXPECT_GE(delivered.complete, kFramesAtFivePercent * 8 / 10);
+  EXPECT_EQ(delivered.complete + delivered.named, frames);
+  EXPECT_GE(delivered.complete, frames * 8 / 10);
   EXPECT_TRUE(delivered.is_paired);
 }
 

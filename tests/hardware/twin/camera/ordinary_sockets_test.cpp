@@ -11,6 +11,7 @@
 #include "hardware/gige/udp_socket.h"
 #include "hardware/twin/camera/test_pattern.h"
 #include "tests/hardware/twin/camera/twin_process.h"
+#include "tests/support/count_from.h"
 
 namespace glint {
 namespace {
@@ -23,13 +24,9 @@ CameraConfiguration quarter_through_ordinary_sockets() {
           .uses_packet_sockets = false};
 }
 
-#ifdef GLINT_MANY_FRAMES
-constexpr int kPacedFrames = 100;
-#else
-constexpr int kPacedFrames = 60;
-#endif
-
 TEST(OrdinarySockets, LoseNoFrameAtTwentyASecond) {
+  const bool is_alone = count_from("GLINT_MANY_FRAMES", 0) > 0;
+  const int frames = is_alone ? 100 : 60;
   const TwinProcess process(test_address(9), 1);
   AravisCamera camera(ipv4_text(test_address(9)));
   const CameraConfiguration configuration = quarter_through_ordinary_sockets();
@@ -40,7 +37,7 @@ TEST(OrdinarySockets, LoseNoFrameAtTwentyASecond) {
   int retakes = 0;
   int wrong = 0;
   const auto begin = std::chrono::steady_clock::now();
-  for (int i = 0; i < kPacedFrames; ++i) {
+  for (int i = 0; i < frames; ++i) {
     std::this_thread::sleep_until(begin + i * std::chrono::milliseconds(50));
     const Frame frame = camera.capture();
     lost += frame.is_complete() ? 0 : 1;
@@ -48,13 +45,10 @@ TEST(OrdinarySockets, LoseNoFrameAtTwentyASecond) {
     const auto shot = static_cast<std::uint64_t>(i + retakes);
     wrong += frame.codes == *patterns.finished({.bits = 8}, shot) ? 0 : 1;
   }
-  std::printf(
-      "%.1f frames per second, %d taken again\n", kPacedFrames / seconds_since(begin), retakes);
+  std::printf("%.1f frames per second, %d taken again\n", frames / seconds_since(begin), retakes);
   EXPECT_EQ(lost, 0);
   EXPECT_EQ(wrong, 0);
-#ifdef GLINT_MANY_FRAMES  // nothing else runs then: Aravis gives up a frame after 0.2 s
-  EXPECT_EQ(retakes, 0);
-#endif
+  EXPECT_TRUE(retakes == 0 || !is_alone) << retakes << " taken again: Aravis gives up after 0.2 s";
 }
 
 }  // namespace

@@ -7,10 +7,7 @@
 #include "core/rng.h"
 #include "tests/hardware/robot/cell_robot_settings.h"
 #include "tests/hardware/twin/robot/twin_harness.h"
-
-#ifndef GLINT_NUM_SEQUENCES
-#define GLINT_NUM_SEQUENCES 100
-#endif
+#include "tests/support/count_from.h"
 
 namespace glint {
 namespace {
@@ -59,9 +56,10 @@ std::string run_sequence(std::uint64_t seed) {
 }
 
 TEST(RandomFaults, EveryMotionHasAResultAndNothingMovesAfterAStop) {
+  const int sequences = count_from("GLINT_NUM_SEQUENCES", 100);
   int stopped = 0;
   int arrived = 0;
-  for (std::uint64_t seed = 0; seed < GLINT_NUM_SEQUENCES; ++seed) {
+  for (std::uint64_t seed = 0; seed < static_cast<std::uint64_t>(sequences); ++seed) {
     const std::string outcomes = run_sequence(seed);
     stopped += outcomes.find("stop") != std::string::npos ? 1 : 0;
     arrived += outcomes.find("done") != std::string::npos ? 1 : 0;
@@ -69,8 +67,8 @@ TEST(RandomFaults, EveryMotionHasAResultAndNothingMovesAfterAStop) {
       EXPECT_EQ(run_sequence(seed), outcomes);
     }
   }
-  EXPECT_GT(stopped, GLINT_NUM_SEQUENCES / 20);
-  EXPECT_GT(arrived, GLINT_NUM_SEQUENCES / 10);
+  EXPECT_GT(stopped, sequences / 20);
+  EXPECT_GT(arrived, sequences / 10);
 }
 
 }  // namespace

@@ -31,6 +31,7 @@
 #include "studies/imaging/scene_store.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
+#include "studies/output/read_json.h"
 #include "studies/output/result_folder.h"
 #include "studies/output/scratch_folder.h"
 
@@ -403,7 +404,7 @@ std::string calibration_trial_report(const fs::path& folder) {
   const std::string resolved = read_file(folder / "study.resolved.toml");
   const ConfigNode root = parse_toml(resolved, (folder / "study.resolved.toml").string());
   const ConfigNode* title = root.find("title");
-  return trial_page(Json::parse(read_file(folder / "result.json")),
+  return trial_page(read_json(folder / "result.json"),
                     title != nullptr ? title->text : "",
                     shown_pictures(folder),
                     resolved);

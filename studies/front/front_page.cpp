@@ -10,6 +10,7 @@
 
 #include "core/file.h"
 #include "core/image/image_io.h"
+#include "studies/output/read_json.h"
 #include "studies/report/report.h"
 
 namespace glint {
@@ -36,7 +37,7 @@ void add_pictures(const fs::path& run, const Closeups& closeups, Json& front) {
     const ImageF aspect = read_image(folder / "aspect.exr");
     design["aspect"] = report_png(aspect, kAspectWidth_px);
     design["closeups"] = closeups(folder, aspect);
-    design["notes"] = Json::parse(read_file(folder / "scores.json")).value("notes", Json::array());
+    design["notes"] = read_json(folder / "scores.json").value("notes", Json::array());
   }
 }
 

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/file.h"
 #include "core/log.h"
 #include "studies/front/front_designs.h"
 #include "studies/front/front_probability.h"
+#include "studies/output/read_json.h"
 
 namespace glint {
 namespace {
@@ -43,10 +43,9 @@ Json write_full(const FrontTask& task, const SceneSettings& scene, const Json& d
 std::vector<Finalist> prototypes_of(const FrontTask& task) {
   std::vector<Finalist> finalists;
   for (const Prototype& prototype : task.study.prototypes) {
-    finalists.push_back(
-        {.key = prototype.name,
-         .title = prototype.title,
-         .written = Json::parse(read_file(task.out / prototype.name / "scores.json"))});
+    finalists.push_back({.key = prototype.name,
+                         .title = prototype.title,
+                         .written = read_json(task.out / prototype.name / "scores.json")});
   }
   return finalists;
 }

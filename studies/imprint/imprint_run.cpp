@@ -16,6 +16,7 @@
 #include "studies/imprint/imprint_folder.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
+#include "studies/output/read_json.h"
 #include "studies/output/result_folder.h"
 
 namespace glint {
@@ -150,7 +151,7 @@ class ImprintRun {
       bar.update(maximum);
       write_file(stage.path() / kResolvedScene, marked_scene_);
       write_run_json(stage.path(), timings);
-      add_metadata(result, Json::parse(read_file(stage.path() / kImprintMetadata)));
+      add_metadata(result, read_json(stage.path() / kImprintMetadata));
       result["files"] = files_in(stage.path());
       stage.commit();
     } catch (const Interrupted&) {
@@ -246,7 +247,7 @@ class ImprintRun {
       if (!fs::exists(file, ignored)) {
         continue;
       }
-      const Json metadata = Json::parse(read_file(file));
+      const Json metadata = read_json(file);
       Json row = {{"name", part_name(part)},
                   {"seed", part_seed(static_cast<std::uint64_t>(scene_.imprint.seed), part)}};
       row.update(imprint_summary(metadata));

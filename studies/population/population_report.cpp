@@ -7,8 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/error.h"
-#include "core/file.h"
+#include "studies/output/read_json.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -34,14 +33,7 @@ std::string rate_text(const Json& alarms) {
 
 /// A file of the run's folder; null in a folder of an earlier version, which has none.
 Json read_charts(const fs::path& file) {
-  if (!fs::exists(file)) {
-    return nullptr;
-  }
-  Json charts = Json::parse(read_file(file), nullptr, false);
-  if (charts.is_discarded()) {
-    throw IoError(file.string() + ": is damaged");
-  }
-  return charts;
+  return fs::exists(file) ? read_json(file) : Json(nullptr);
 }
 
 Json confusion_table(const Json& baseline) {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/file.h"
 #include "core/image/image_io.h"
+#include "studies/output/read_json.h"
 #include "studies/report/report.h"
 #include "studies/run/scene_facts.h"
 
@@ -86,7 +86,7 @@ Json closeup_of(const Json& defect, const Source& source) {
 }  // namespace
 
 Json closeups_of(const fs::path& folder, const ImageF& aspect, const std::string& objective) {
-  const Json file = Json::parse(read_file(folder / "defects.json"));
+  const Json file = read_json(folder / "defects.json");
   std::vector<Json> defects(file["defects"].begin(), file["defects"].end());
   if (defects.size() > kMaxCloseups) {
     std::ranges::stable_sort(
@@ -101,7 +101,7 @@ Json closeups_of(const fs::path& folder, const ImageF& aspect, const std::string
 }
 
 Json defect_widths(const fs::path& folder) {
-  const Json file = Json::parse(read_file(folder / "defects.json"));
+  const Json file = read_json(folder / "defects.json");
   Json list = Json::array();
   for (const Json& defect : file["defects"]) {
     if (defect.contains("width_px")) {  // older runs do not have it

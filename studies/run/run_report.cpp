@@ -19,6 +19,7 @@
 #include "studies/definition/scene_notes.h"
 #include "studies/front/front_page.h"
 #include "studies/output/provenance.h"
+#include "studies/output/read_json.h"
 #include "studies/population/population_report.h"
 #include "studies/report/report.h"
 #include "studies/run/comparison/several_runs.h"
@@ -37,14 +38,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kFrameWidth_px = 650;
 constexpr std::size_t kPageItself_bytes = 1'500'000;  // script, style, licences; generously
-
-Json read_json(const fs::path& path) {
-  try {
-    return Json::parse(read_file(path));
-  } catch (const Json::parse_error& error) {
-    throw IoError(fmt::format("{}: is damaged: {}", path.string(), error.what()));
-  }
-}
 
 Json frames(const fs::path& folder) {
   Json list = Json::array();

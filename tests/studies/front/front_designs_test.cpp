@@ -5,10 +5,15 @@
 
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/error.h"
+#include "core/file.h"
+#include "core/image/image_io.h"
 #include "studies/front/front_page.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {
@@ -208,6 +213,19 @@ TEST(LimitSequences, DropsTheSmallPicturesThatMatterLeastWhereFramesAreNotEnough
   EXPECT_EQ(kept, 4);
   EXPECT_NE(data["methods"].back().get<std::string>().find("pictures of 6 designs"),
             std::string::npos);
+}
+
+TEST(FrontPage, NamesScoresThatWereCutShort) {
+  const TemporaryFolder run;
+  std::filesystem::create_directories(run / "winner");
+  write_file(run / "winner/cross_section.svg", "<svg/>");
+  write_exr(run / "winner/aspect.exr", ImageF(8, 8, 0.5F));
+  write_file(run / "winner/scores.json", R"({"notes": ["the wa)");
+  Json front = {{"designs", Json::array({{{"trial", 8}, {"folder", "winner"}}})}};
+  const auto closeups = [](const auto&, const ImageF&) { return Json::array(); };
+  EXPECT_THAT(text_thrown_by<IoError>(
+                  [&] { add_front_to_page(run.path(), Json::object(), closeups, front); }),
+              ::testing::HasSubstr("winner/scores.json: is damaged"));
 }
 
 }  // namespace

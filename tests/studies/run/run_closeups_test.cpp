@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/run/run_closeups.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/error.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "studies/output/provenance.h"
@@ -14,6 +16,7 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using ::testing::HasSubstr;
 
 /// A design whose dent lies at (50, 40) and shows best in the frames told.
 class DesignFolder {
@@ -61,6 +64,15 @@ TEST(Closeups, TellWhatIsBlackAndWhiteAndHowLargeAPixelIs) {
   EXPECT_EQ(closeup["size_px"], Json({41, 41}));
   EXPECT_EQ(closeup["pixel_mm"], 0.1);
   EXPECT_EQ(closeup["size"], "2 mm wide, 5 \u00b5m deep");
+}
+
+TEST(Closeups, OfAFileThatWasCutShortNameIt) {
+  const TemporaryFolder folder;
+  write_file(folder / "defects.json", R"({"defects": [{"label": "de)");
+  const auto closeups = [&] { closeups_of(folder.path(), ImageF(8, 8), "defects.min_cnr"); };
+  EXPECT_THAT(text_thrown_by<IoError>(closeups), HasSubstr("defects.json: is damaged"));
+  const auto widths = [&] { defect_widths(folder.path()); };
+  EXPECT_THAT(text_thrown_by<IoError>(widths), HasSubstr("defects.json: is damaged"));
 }
 
 TEST(DefectSize, IsToldForLinesSpotsAndStains) {

@@ -32,7 +32,7 @@ Json tolerance_json(const AccuracySettings& wish) {
 }
 
 Json settings_json(const RenderRung& rung) {
-  if (rung.level == "blurred" || rung.level == "direct sum") {
+  if (rung.is_summed) {
     return {{"method", std::string(method_name(rung.render.method))},
             {"rays_per_axis", rung.render.rays_per_axis}};
   }

@@ -18,6 +18,7 @@
 #include "core/image/image_io.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/compare/camera/reduced_scene.h"
+#include "studies/definition/render_methods.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/imaging/scene_picture.h"
 
@@ -86,7 +87,7 @@ class RoughnessSearch {
         real_(reduce(pair.real.grey, factor_)) {}
 
   std::optional<RoughnessFit> find() {
-    if (path_view_of(scene_, store_.build_defects(scene_)) == nullptr) {
+    if (!shows_roughness(scene_)) {
       return std::nullopt;
     }
     const double first = scene_.material.roughness;

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "metrics/coverage/separation.h"
-#include "studies/coverage/place_light.h"
 #include "studies/definition/scene_viewpoints.h"
+#include "studies/imaging/places/place_light.h"
 #include "studies/imaging/scene_picture.h"
 
 namespace glint {

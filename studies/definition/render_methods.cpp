@@ -241,6 +241,10 @@ bool is_blurred(const SceneSettings& scene) {
   return scene.render.method == RenderMethod::kBlurred;
 }
 
+bool shows_roughness(const SceneSettings& scene) {
+  return needs_paths(scene);
+}
+
 SceneSettings without_blurred_method(SceneSettings scene) {
   if (is_blurred(scene)) {
     scene.render.method = RenderMethod::kAuto;

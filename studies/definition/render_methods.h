@@ -49,6 +49,10 @@ bool is_direct(const SceneSettings& scene);
 /// its key and without a place; none: it may render the scene, with max_reflections = 1.
 std::vector<Problem> direct_problems(const SceneSettings& scene);
 
+/// Whether the picture that light followed over the part gives (SceneStore::picture()) shows how
+/// rough its material is; there is none of a mirror under a tunnel.
+bool shows_roughness(const SceneSettings& scene);
+
 /// The scene for re-scoring a finalist: other noise, every frame, and finer rays.
 SceneSettings finer_settings(SceneSettings scene);
 

@@ -97,25 +97,6 @@ void turn_off(LightSettings& settings) {
       settings);
 }
 
-bool shines(const LightSettings& settings) {
-  const auto has_any = [](const std::vector<double>& values) {
-    return std::ranges::any_of(values, [](double value) { return value > 0.0; });
-  };
-  return std::visit(
-      [&](const auto& light) {
-        using Light = std::decay_t<decltype(light)>;
-        if constexpr (kHasEmission<Light>) {
-          const LightEmission& emission = light.emission;
-          return has_any(emission.power_w.empty() ? emission.radiance : emission.power_w);
-        } else if constexpr (std::is_same_v<Light, IesLightSettings>) {
-          return has_any(light.scale);
-        } else {
-          return has_any(light.radiance);
-        }
-      },
-      settings);
-}
-
 /// Whether segments in one group have powers, which change the flux at power 1.
 bool has_joined_powers(const LightSettings& settings) {
   return std::visit(
@@ -179,6 +160,45 @@ void make_grey(FrameFactors& factors) {
 }
 
 }  // namespace
+
+bool shines(const LightSettings& settings) {
+  const auto has_any = [](const std::vector<double>& values) {
+    return std::ranges::any_of(values, [](double value) { return value > 0.0; });
+  };
+  return std::visit(
+      [&](const auto& light) {
+        using Light = std::decay_t<decltype(light)>;
+        if constexpr (kHasEmission<Light>) {
+          const LightEmission& emission = light.emission;
+          return has_any(emission.power_w.empty() ? emission.radiance : emission.power_w);
+        } else if constexpr (std::is_same_v<Light, IesLightSettings>) {
+          return has_any(light.scale);
+        } else {
+          return has_any(light.radiance);
+        }
+      },
+      settings);
+}
+
+bool has_place(const LightSettings& settings) {
+  return !std::holds_alternative<EnvironmentSettings>(settings);
+}
+
+bool has_body(const LightSettings& settings) {
+  return std::visit([](const auto& light) { return kHasEmission<std::decay_t<decltype(light)>>; },
+                    settings);
+}
+
+LightSegments* segments_of(LightSettings& settings) {
+  return std::visit(
+      [](auto& light) -> LightSegments* {
+        if constexpr (kHasSegments<std::decay_t<decltype(light)>>) {
+          return &light.segments;
+        }
+        return nullptr;
+      },
+      settings);
+}
 
 void keep_lights(SceneSettings& scene, std::span<const std::string> names) {
   const auto is_off = [&](const std::string& name) {

@@ -36,6 +36,18 @@ void keep_lights(SceneSettings& scene, std::span<const std::string> names);
 /// Names of the tables of lights that shine: the tunnel, and those with any radiance or power.
 std::vector<std::string> shining_lights(const SceneSettings& scene);
 
+/// Whether a light has any radiance or power.
+bool shines(const LightSettings& settings);
+
+/// Whether a light has a place: all but an environment.
+bool has_place(const LightSettings& settings);
+
+/// Whether a light is a body that stands in the way of others, also when it is off.
+bool has_body(const LightSettings& settings);
+
+/// The segments of a light that has some; else nullptr.
+LightSegments* segments_of(LightSettings& settings);
+
 /// How the stripes of a scan are moved.
 struct StageScan {
   int positions = 1;     ///< 1 without a tunnel

@@ -122,4 +122,12 @@ std::vector<std::string> path_warnings(const PhysicalScene& scene) {
   return warnings;
 }
 
+std::vector<std::string> SceneLamps::warnings() const {
+  return view_ == nullptr ? std::vector<std::string>() : path_warnings(view_->physical());
+}
+
+std::vector<std::string> SceneLamps::group_names() const {
+  return view_ == nullptr ? std::vector<std::string>() : view_->group_names();
+}
+
 }  // namespace glint

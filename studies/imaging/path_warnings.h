@@ -3,10 +3,14 @@
 // What a reader of a path-traced picture must know about its lights.
 #pragma once
 
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "simulator/render/path_tracing/physical_scene.h"
+#include "studies/definition/scene.h"
+#include "studies/imaging/path_picture.h"
 
 namespace glint {
 
@@ -27,5 +31,29 @@ std::vector<std::string> hiding_warnings(const PhysicalScene& scene);
 /// All sentences: hiding lights, lights too near for their far-field data, files of measured lights
 /// that are not read as a whole.
 std::vector<std::string> path_warnings(const PhysicalScene& scene);
+
+/// The lamps of any scene, for those who draw them or tell of them. Where no paths are followed
+/// there are none.
+class SceneLamps {
+ public:
+  /// @param part  with the scene's defects
+  /// @throws ConfigError beginning with the key at fault (lamps that may hide each other), IoError
+  SceneLamps(const SceneSettings& scene, std::shared_ptr<const BuiltDefects> part)
+      : view_(path_view_of(scene, std::move(part))) {}
+
+  /// PathView::area_lights(); nullptr: the tunnel's cross-section shows how the scene is lit.
+  const PhysicalScene* area_lights() const {
+    return view_ == nullptr ? nullptr : view_->area_lights();
+  }
+
+  /// path_warnings()
+  std::vector<std::string> warnings() const;
+
+  /// Of the light groups: "ring", "bar.3".
+  std::vector<std::string> group_names() const;
+
+ private:
+  std::unique_ptr<const PathView> view_;
+};
 
 }  // namespace glint

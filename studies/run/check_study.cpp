@@ -16,7 +16,7 @@
 #include "studies/accuracy/budget_note.h"
 #include "studies/front/front_designs.h"
 #include "studies/imaging/defect_windows.h"
-#include "studies/imaging/path_picture.h"
+#include "studies/imaging/path_warnings.h"
 #include "studies/population/pod_study.h"
 #include "studies/population/sorting.h"
 #include "studies/report/report.h"
@@ -38,7 +38,8 @@ void check_scene(SceneStore& store, const SceneSettings& scene) {
   check_part_in_tunnel(store, scene);
   const SceneSettings first = first_view(store, scene);
   store.trace(first);
-  path_view_of(first, store.build_defects(first));  // refuses lamps that may hide each other
+  [[maybe_unused]] const SceneLamps refuses_lamps_that_hide_each_other(first,
+                                                                       store.build_defects(first));
 }
 
 /// One end of a variable's range, or one of its choices.
@@ -192,8 +193,8 @@ std::vector<std::string> baseline_notes(SceneStore& store,
                                         const Study& study,
                                         const Evaluation& baseline) {
   const SceneSettings scene = first_view(store, study.scene);
-  const auto view = path_view_of(scene, baseline.traced->part);
-  std::vector<std::string> notes = notes_of(study.scene, baseline.scores, view.get());
+  const SceneLamps lamps(scene, baseline.traced->part);
+  std::vector<std::string> notes = notes_of(study.scene, baseline.scores, lamps);
   for (const std::string& note : {narrow_defects_note(*baseline.traced, study.scene),
                                   defect_stripes_note(*baseline.traced, study.scene)}) {
     if (!note.empty()) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,8 +18,6 @@
 #include "studies/drawing/light_drawing.h"
 #include "studies/drawing/wall_plan.h"
 #include "studies/imaging/defect_windows.h"
-#include "studies/imaging/path_picture.h"
-#include "studies/imaging/path_warnings.h"
 #include "studies/output/output_folder.h"
 #include "studies/run/render_files.h"
 
@@ -198,20 +197,15 @@ LightingDrawing draw_lighting(const SceneSettings& scene,
 std::string drawing_svg(const SceneSettings& scene,
                         const Evaluation& evaluation,
                         const std::string& title) {
-  const std::unique_ptr<const PathView> view = path_view_of(scene, evaluation.traced->part);
-  return draw_lighting(
-             scene, view ? view->area_lights() : nullptr, evaluation.traced->built(), title)
-      .svg;
+  const SceneLamps lamps(scene, evaluation.traced->part);
+  return draw_lighting(scene, lamps.area_lights(), evaluation.traced->built(), title).svg;
 }
 
 std::vector<std::string> notes_of(const SceneSettings& scene,
                                   const Scores& scores,
-                                  const PathView* view) {
+                                  const SceneLamps& lamps) {
   std::vector<std::string> notes = scene_notes(scene, scores);
-  if (view != nullptr) {
-    const std::vector<std::string> warnings = path_warnings(view->physical());
-    notes.insert(notes.end(), warnings.begin(), warnings.end());
-  }
+  std::ranges::copy(lamps.warnings(), std::back_inserter(notes));
   return notes;
 }
 
@@ -274,13 +268,11 @@ Json write_design(SceneStore& store,
   write_file(folder / "defects.json",
              defects_json(evaluation, intrinsics_of(scene)).dump(2) + "\n");
   write_file(folder / "scene.toml", to_toml(write_scene(scene)));
-  const std::unique_ptr<const PathView> view = path_view_of(scene, evaluation.traced->part);
-  write_drawing(draw_lighting(scene,
-                              view ? view->area_lights() : nullptr,
-                              evaluation.traced->built(),
-                              sheet_title(head)),
-                folder / "cross_section");
-  std::vector<std::string> notes = notes_of(scene, evaluation.scores, view.get());
+  const SceneLamps lamps(scene, evaluation.traced->part);
+  write_drawing(
+      draw_lighting(scene, lamps.area_lights(), evaluation.traced->built(), sheet_title(head)),
+      folder / "cross_section");
+  std::vector<std::string> notes = notes_of(scene, evaluation.scores, lamps);
   add_defect_notes(*evaluation.traced, scene, notes);
   Json json = head;
   json["scores"] = scores_json(evaluation.scores);

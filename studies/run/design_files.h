@@ -28,7 +28,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "studies/evaluation/evaluation.h"
-#include "studies/imaging/path_picture.h"
+#include "studies/imaging/path_warnings.h"
 
 namespace glint {
 
@@ -61,7 +61,7 @@ struct LightingDrawing {
 };
 
 /// The lighting to scale: area lights where they stand, else the tunnel's cross-section.
-/// @param area_lights  PathView::area_lights(); nullptr: no paths are traced
+/// @param area_lights  SceneLamps::area_lights()
 LightingDrawing draw_lighting(const SceneSettings& scene,
                               const PhysicalScene* area_lights,
                               const BuiltPart& built,
@@ -73,10 +73,10 @@ std::string drawing_svg(const SceneSettings& scene,
                         const std::string& title);
 
 /// Remarks on a design that a reader of its numbers must know.
-/// @param view  path_view_of() the scene; nullptr: no paths are traced
+/// @param lamps  of the scene
 std::vector<std::string> notes_of(const SceneSettings& scene,
                                   const Scores& scores,
-                                  const PathView* view);
+                                  const SceneLamps& lamps);
 
 /// How a search gets the mean of this scan, as one sentence; empty when it renders all frames.
 std::string rendering_note(const nlohmann::ordered_json& rendering);

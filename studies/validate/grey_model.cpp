@@ -14,7 +14,7 @@
 #include "simulator/sensor/sensor.h"
 #include "studies/compare/camera/reduced_scene.h"
 #include "studies/compare/camera/scene_camera.h"
-#include "studies/imaging/path_picture.h"
+#include "studies/imaging/path_warnings.h"
 #include "studies/run/render_files.h"
 #include "studies/validate/even_sums.h"
 #include "studies/validate/geometry_fit.h"
@@ -105,7 +105,7 @@ void GreyModel::choose_pixels() {
   rows_.resize(designs_.size());
   for (SmallView& view : views_) {
     view.used = sound_part(store_.picture(view.scene)->sums, kMarginPx);
-    view.groups = path_view_of(view.scene, store_.build_defects(view.scene))->group_names();
+    view.groups = SceneLamps(view.scene, store_.build_defects(view.scene)).group_names();
     ++renders_;
     for (std::size_t i = 0; i < view.used.size(); ++i) {
       const float grey = view.real.values()[i];

@@ -3,99 +3,51 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
+#include <functional>
 #include <variant>
+
+#include "studies/imaging/path_lights.h"
 
 namespace glint {
 namespace {
 
-template <class Light>
-constexpr bool kHasSegments = requires(Light light) {
-  light.segments.segments;
-};
-
-template <class Light>
-constexpr bool kHasEmission = requires(Light light) {
-  light.emission;
-};
-
-template <class Light>
-constexpr bool kCanMove = !std::is_same_v<Light, EnvironmentSettings>;
-
-template <class Light>
-constexpr bool kHasBody = kHasEmission<Light>;
-
-bool shines(const std::vector<double>& values) {
-  return std::ranges::any_of(values, [](double value) { return value > 0.0; });
-}
-
-template <class Light>
-bool is_on(const Light& light) {
-  if constexpr (kHasEmission<Light>) {
-    return light.emission.power_w.empty() ? shines(light.emission.radiance)
-                                          : shines(light.emission.power_w);
-  } else if constexpr (std::is_same_v<Light, IesLightSettings>) {
-    return shines(light.scale);
-  } else {
-    return shines(light.radiance);
-  }
-}
-
-template <class Wanted>
-std::vector<LitLight> lights_that(const SceneSettings& scene, const Wanted& is_wanted) {
-  std::vector<LitLight> found;
-  for (const NamedLight& light : scene.lights) {
-    std::visit(
-        [&](const auto& settings) {
-          using Light = std::decay_t<decltype(settings)>;
-          LitLight row = {.name = light.name, .can_move = kCanMove<Light>};
-          if constexpr (kHasSegments<Light>) {
-            row.segments = settings.segments.segments;
-          }
-          if (kCanMove<Light> && is_wanted(settings)) {
-            found.push_back(row);
-          }
-        },
-        light.settings);
-  }
-  return found;
-}
-
 void change_light(LightSettings& settings, const LightChange& change) {
   std::visit(
       [&](auto& light) {
-        using Light = std::decay_t<decltype(light)>;
         for (std::size_t i = 0; i < 3; ++i) {
           light.placement.position_mm[i] += change.moved_mm[static_cast<Eigen::Index>(i)];
         }
-        if constexpr (kHasSegments<Light>) {
-          std::vector<double>& powers = light.segments.segment_power;
-          if (change.segment_power.size() == static_cast<std::size_t>(light.segments.segments)) {
-            powers.resize(change.segment_power.size(), 1.0);
-            std::ranges::transform(powers, change.segment_power, powers.begin(), std::multiplies{});
-          }
-        }
       },
       settings);
+  LightSegments* segments = segments_of(settings);
+  if (segments != nullptr &&
+      change.segment_power.size() == static_cast<std::size_t>(segments->segments)) {
+    std::vector<double>& powers = segments->segment_power;
+    powers.resize(change.segment_power.size(), 1.0);
+    std::ranges::transform(powers, change.segment_power, powers.begin(), std::multiplies{});
+  }
 }
 
 }  // namespace
 
 std::vector<LitLight> lights_with_bodies(const SceneSettings& scene) {
-  return lights_that(scene, [](const auto& settings) {
-    return is_on(settings) || kHasBody<std::decay_t<decltype(settings)>>;
-  });
+  std::vector<LitLight> found;
+  for (NamedLight light : scene.lights) {
+    if (has_place(light.settings) && (shines(light.settings) || has_body(light.settings))) {
+      const LightSegments* segments = segments_of(light.settings);
+      found.push_back({.name = light.name,
+                       .segments = segments != nullptr ? segments->segments : 1,
+                       .can_move = true});
+    }
+  }
+  return found;
 }
 
 SceneSettings with_separate_segments(SceneSettings scene) {
   for (NamedLight& light : scene.lights) {
-    std::visit(
-        [](auto& settings) {
-          if constexpr (kHasSegments<std::decay_t<decltype(settings)>>) {
-            settings.segments.separate = settings.segments.segments > 1;
-          }
-        },
-        light.settings);
+    if (LightSegments* segments = segments_of(light.settings); segments != nullptr) {
+      segments->separate = segments->segments > 1;
+    }
   }
   return scene;
 }

@@ -5,7 +5,9 @@ import path from "node:path";
 
 import { hallOf, report } from "./room_tree.mjs";
 
-/// The transport that a scene needs, the kind of its rays and lights, the method of [render].
+/// The transport that a scene needs, the kind of its rays and lights, the method of [render] or of a
+/// rung. Not what is read off an answer (ComparedMethod::follows_paths: whether pictures have noise)
+/// or asked of the user (StarterLight: the light of `glint new`).
 const QUESTION = new RegExp(
   [
     "\\b(needs_paths|is_sampled|has_tunnel|is_direct|is_blurred)\\b",
@@ -13,6 +15,9 @@ const QUESTION = new RegExp(
     "(?<![A-Za-z])(?:Render)?Method::k\\w+",
     "\\bmethod [!=]= \"\\w+\"",
     "\\b(?:holds_alternative|get_if)<\\w+Settings>",
+    "\\bis_same_v<[^>]*Settings>",
+    "\\bpath_view_of\\b",
+    "\\.level ==",
   ].join("|"),
 );
 const HALLS = new Set(["studies", "cli"]);
@@ -23,6 +28,7 @@ const ASKING = new Set([
   "studies/imaging",
   "studies/imaging/blurred",
   "studies/imaging/direct",
+  "studies/imaging/places",
   "studies/imaging/searched",
 ]);
 

@@ -377,6 +377,9 @@ in_run_cpp 'render.method == RenderMethod::kDirect' RenderMethod::kDirect
 in_run_cpp 'is_direct(scene)' is_direct
 in_run_cpp 'frames.method == "paths"' 'method == "paths"'
 in_run_cpp 'std::holds_alternative<EnvironmentSettings>(light.settings)' 'holds_alternative<EnvironmentSettings>'
+in_run_cpp 'std::is_same_v<Light, IesLightSettings>' 'is_same_v<Light, IesLightSettings>'
+in_run_cpp 'path_view_of(scene, part) != nullptr' path_view_of
+in_run_cpp 'rung.level == "blurred"' '.level =='
 clean_tree
 add cli/run.cpp '// needs_paths() is asked elsewhere'
 expect_clean "a question in a comment" "rooms: no violation"

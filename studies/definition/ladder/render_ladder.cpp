@@ -116,7 +116,8 @@ class RungList {
          .group = group,
          .has_derivatives = !has_paths && (method == Method::kAuto || method == Method::kClosed),
          .is_for_search = is_for_search,
-         .is_noisy = has_paths});
+         .is_noisy = has_paths,
+         .is_summed = is_blurred(scene) || is_direct(scene)});
   }
 
   /// Of rough metal that paths would follow, where the study does not ask for them by name.

@@ -28,6 +28,7 @@ struct RenderRung {
   bool has_derivatives = false;
   bool is_for_search = true;  ///< false: beyond what is kept; others are compared with it
   bool is_noisy = false;      ///< paths: errors fall as the root of the number of samples
+  bool is_summed = false;     ///< rough metal without noise, by render.rays_per_axis alone
   int pixel_factor = 1;       ///< of paths: 2 has half as many pixels along both sides
   /// Of scores at half resolution: how far they are above the top's, the mean over the designs of a
   /// trial. less_offsets() takes it out; empty before the trial.

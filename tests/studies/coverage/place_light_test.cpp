@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/coverage/place_light.h"
+#include "studies/imaging/places/place_light.h"
 
 #include <cmath>
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/units.h"
+#include "studies/imaging/path_lights.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/imaging/path_warnings.h"
 #include "studies/imaging/scene_store.h"
@@ -188,6 +189,27 @@ TEST(HidingLights, TellFrontsApart) {
   ASSERT_EQ(hiding.size(), 1U);
   EXPECT_EQ(hiding[0].back_share, 0.0);
   EXPECT_NEAR(hiding[0].front_share, 0.746, 0.01);
+}
+
+TEST(LightSettings, TellOfAnyKindWhetherItShinesAndStandsSomewhere) {
+  RingSettings ring;
+  ring.segments.segments = 4;
+  LightSettings segmented = ring;
+  ASSERT_NE(segments_of(segmented), nullptr);
+  EXPECT_EQ(segments_of(segmented)->segments, 4);
+  ring.emission.radiance = {0.0};
+  EXPECT_FALSE(shines(ring));
+  EXPECT_TRUE(has_body(ring));  // that is dark and shades others
+  ring.emission.power_w = {2.0};
+  EXPECT_TRUE(shines(ring));
+  const LightSettings luminaire = IesLightSettings{.scale = {0.0, 0.0, 0.5}};
+  EXPECT_TRUE(shines(luminaire));
+  EXPECT_FALSE(has_body(luminaire));
+  EXPECT_TRUE(has_place(luminaire));
+  LightSettings sky = EnvironmentSettings{};
+  EXPECT_TRUE(shines(sky));
+  EXPECT_FALSE(has_place(sky));
+  EXPECT_EQ(segments_of(sky), nullptr);
 }
 
 }  // namespace

@@ -212,6 +212,7 @@ TEST(RenderLadder, OfSatinMetalHasBlurredReflectionsBelowItsTop) {
       blurred.push_back(rung.name);
       EXPECT_EQ(rung.render.method, Method::kBlurred);
       EXPECT_FALSE(rung.is_noisy);
+      EXPECT_TRUE(rung.is_summed);
       EXPECT_FALSE(rung.has_derivatives);
       EXPECT_LT(rung.work, ladder.back().work);
     }
@@ -277,6 +278,7 @@ std::vector<std::string> direct_sums(const std::vector<RenderRung>& ladder) {
       list.push_back(rung.name);
       EXPECT_EQ(rung.render.method, Method::kDirect);
       EXPECT_FALSE(rung.is_noisy);
+      EXPECT_TRUE(rung.is_summed);
       EXPECT_FALSE(rung.has_derivatives);
     }
   }

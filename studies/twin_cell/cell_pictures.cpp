@@ -13,12 +13,19 @@ namespace glint {
 namespace {
 
 constexpr std::size_t kKeptPictures = 4;
-constexpr std::size_t kKeptScans = 2;
+
+/// A scan counts as two pictures, however many positions it has.
+std::size_t kept_share(const std::string& /*key*/, const std::vector<SensorPicture>& pictures) {
+  return pictures.size() > 1 ? kKeptPictures / 2 : 1;
+}
 
 }  // namespace
 
 CellPictures::CellPictures(CellRenderer& renderer, const TwinCellState& state)
-    : renderer_(renderer), announced_(state), stands_(state) {
+    : renderer_(renderer),
+      announced_(state),
+      stands_(state),
+      kept_({.max_bytes = kKeptPictures}, kept_share) {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -33,15 +40,10 @@ std::string CellPictures::key_of_both(const TwinCellState& state, const CaptureS
                      settings.bits);
 }
 
-const CellPictures::Kept* CellPictures::find(const std::string& key) const {
-  const auto kept = std::ranges::find(kept_, key, &Kept::key);
-  return kept == kept_.end() ? nullptr : &*kept;
-}
-
 void CellPictures::want(const TwinCellState& state) {
   announced_ = state;
   const std::string key = key_of_both(state, settings_);
-  if (find(key) == nullptr) {
+  if (kept_.find(key) == nullptr) {
     wanted_ = Wanted{.state = state, .settings = settings_, .key = key};
     changed_.notify_all();
   }
@@ -92,17 +94,17 @@ SensorPicture CellPictures::finished(const CaptureSettings& settings, std::uint6
   const std::optional<TwinCellState> live = live_ ? live_() : std::nullopt;
   const std::scoped_lock lock(mutex_);
   const std::optional<TwinCellState>& state = live_ ? live : stands_;
-  const Kept* kept = state ? find(key_of_both(*state, settings)) : nullptr;
+  const auto kept = state ? kept_.find(key_of_both(*state, settings)) : nullptr;
   if (kept == nullptr) {
     return nullptr;
   }
   const auto position = static_cast<std::size_t>(std::max(0, state->stage_position));
-  return kept->pictures.at(std::min(position, kept->pictures.size() - 1));
+  return kept->at(std::min(position, kept->size() - 1));
 }
 
 bool CellPictures::is_finished(const CaptureSettings& settings) {
   const std::scoped_lock lock(mutex_);
-  return find(key_of_both(announced_, settings)) != nullptr;
+  return kept_.find(key_of_both(announced_, settings)) != nullptr;
 }
 
 void CellPictures::run(const std::stop_token& stop) {
@@ -127,11 +129,7 @@ void CellPictures::run(const std::stop_token& stop) {
     error_ = error;
     if (!pictures.empty()) {
       ++num_rendered_;
-      const std::size_t most = pictures.size() > 1 ? kKeptScans : kKeptPictures;
-      kept_.push_back({.key = wanted.key, .pictures = std::move(pictures)});
-      while (kept_.size() > most) {
-        kept_.pop_front();
-      }
+      kept_.put(wanted.key, std::move(pictures));
     }
     changed_.notify_all();
   }

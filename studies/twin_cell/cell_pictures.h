@@ -6,7 +6,6 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -16,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/cache.h"
 #include "hardware/twin/camera/picture_source.h"
 #include "studies/twin_cell/cell_renderer.h"
 
@@ -64,14 +64,7 @@ class CellPictures final : public PictureSource {
     std::string key;
   };
 
-  /// Of all positions of the stage.
-  struct Kept {
-    std::string key;
-    std::vector<SensorPicture> pictures;
-  };
-
   static std::string key_of_both(const TwinCellState& state, const CaptureSettings& settings);
-  const Kept* find(const std::string& key) const;
   void want(const TwinCellState& state);  ///< holding the lock
   void run(const std::stop_token& stop);
 
@@ -84,7 +77,7 @@ class CellPictures final : public PictureSource {
   std::optional<TwinCellState> stands_;  ///< empty: the arm moves
   std::optional<Wanted> wanted_;         ///< not begun yet
   bool is_rendering_ = false;
-  std::deque<Kept> kept_;
+  Cache<std::string, std::vector<SensorPicture>> kept_;  ///< each of all positions of the stage
   std::string error_;
   int num_rendered_ = 0;
   std::jthread thread_;

@@ -161,6 +161,8 @@ NkTable joined(const std::string& file, const Column& n, const Column& k, int li
   return table;
 }
 
+/// Without core/csv.h: header lines within the file begin tables of their own, and rows are read by
+/// the same function as those of YAML, which blanks separate.
 NkTable parse_csv(const std::vector<Line>& lines, const std::string& file) {
   NkTable table = {.file = file};
   Column n;

@@ -13,6 +13,7 @@
 
 #include "core/config/toml.h"
 #include "core/cpu_clock.h"
+#include "core/csv.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "core/text.h"
@@ -73,14 +74,15 @@ CameraOnRobot truth_of(const SceneSettings& scene, const RigidTransform& part_fr
 
 /// "picture_0007.png,r11,r12,r13,tx,...,0,0,0,1"
 std::string pose_line(const std::string& name, const RigidTransform& pose) {
-  std::string line = name;
+  std::vector<std::string> texts = {csv_plain_text(name)};
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
-      line += "," + shortest(pose.rotation(row, column));
+      texts.push_back(shortest(pose.rotation(row, column)));
     }
-    line += "," + shortest(pose.translation_mm[row]);
+    texts.push_back(shortest(pose.translation_mm[row]));
   }
-  return line + ",0,0,0,1\n";
+  texts.insert(texts.end(), {"0", "0", "0", "1"});
+  return csv_row(texts);
 }
 
 class TrialRun {

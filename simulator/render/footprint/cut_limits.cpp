@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Which boundary of the light cuts a pixel: the slot's edges and the rim are linear functions
+// through the four corners, and a pixel is simple where one of them alone changes its sign within
+// the square and no corner is near the tunnel's ends. Signs are decided with the rounding error
+// allowed for, and choices are selections instead of branches. Own derivation:
+// docs/theory/footprints.md, "Polygons". Cost: some 100 operations a pixel, linear in pixels;
+// memory: a batch of the caller's.
 #include "simulator/render/footprint/cut_limits.h"
 
 #include <cstdint>

@@ -2,8 +2,7 @@
 //
 // Structural similarity row by row: 11 rows are summed at once, then 11 columns of the sums, so
 // that everything stays in the first cache. Cost: some 150 operations a pixel, linear in the
-// pixels. Source: Wang et al. 2004 (structure_similarity.h,
-// docs/theory/comparison.md).
+// pixels. Source: Wang et al. 2004 (structure_similarity.h, docs/theory/comparison.md).
 #include "metrics/appearance/ssim_kernels.h"
 
 #include "core/simd.h"

@@ -3,7 +3,8 @@
 // usage: node sizes.mjs [SOURCE_DIR]
 //
 // Checks how long files and functions are (CONTRIBUTING.md), and prints their median, 95 %, 99 % and
-// maximum, and how many lines of tests there are to a line of the sources. One line per violation,
+// maximum, and how many lines of tests there are to a line of the sources, of all lines and of those
+// of code in .cpp files, which are neither blank nor comment alone. One line per violation,
 // `file:line: what is wrong`; exit 1 when there is any. A function's lines are those from its head to
 // its closing brace; functions visit_keys, which list the keys of a table, may be longer. Needs
 // universal-ctags.
@@ -28,6 +29,12 @@ function readFiles(root) {
     const text = readFileSync(path.join(root, file), "utf8");
     return { file, text, lines: text.split("\n").length - 1 };
   });
+}
+
+/// How many lines are neither blank nor comment alone.
+function codeLines(text) {
+  const withoutBlocks = text.replace(/^[ \t]*\/\*[\s\S]*?\*\/[ \t]*$/gm, "");
+  return withoutBlocks.split("\n").filter((line) => !/^\s*(\/\/.*)?$/.test(line)).length;
 }
 
 /// The functions of the files, lambdas being lines of theirs: { file, line, name, lines }.
@@ -88,6 +95,14 @@ function printRow(name, things) {
   );
 }
 
+/// @param linesOf  of a file
+function printRatio(name, files, linesOf) {
+  const sum = (wanted) =>
+    files.filter(wanted).reduce((lines, file) => lines + linesOf(file), 0);
+  const [tests, sources] = [sum(isTest), sum((file) => !isTest(file))];
+  console.log(`tests to sources: ${tests} / ${sources} ${name} = ${(tests / sources).toFixed(2)}`);
+}
+
 function printSizes(files, functions) {
   const heads = ["number", "median", "95 %", "99 %", "longest"];
   console.log(["lines of".padEnd(22), ...heads.map((head) => head.padStart(8))].join(""));
@@ -98,9 +113,9 @@ function printSizes(files, functions) {
     printRow(`functions in ${name}`, functions.filter(wanted));
     printRow(`files in ${name}`, files.filter(wanted));
   }
-  const linesOf = (wanted) => files.filter(wanted).reduce((sum, { lines }) => sum + lines, 0);
-  const [tests, sources] = [linesOf(isTest), linesOf((file) => !isTest(file))];
-  console.log(`tests to sources: ${tests} / ${sources} lines = ${(tests / sources).toFixed(2)}`);
+  printRatio("lines", files, ({ lines }) => lines);
+  const bodies = files.filter(({ file }) => file.endsWith(".cpp"));
+  printRatio("lines of code in .cpp files", bodies, ({ text }) => codeLines(text));
 }
 
 function main(roots) {

@@ -59,12 +59,16 @@ expect_found() { # what to expect in the output
 }
 
 # Functions of 60, 60 and 200 lines in files of 450, 300 and 1; tests of 60 and 30 lines in one of
-# 90: 90 / 751 = 0.12.
+# 90: 90 / 751 = 0.12. Of code are the heads and braces of three functions, and of two tests:
+# 4 / 6 = 0.67.
 clean_tree
 expect_clean 'functions in sources         3      60     200     200     200'
 expect_clean 'files in sources             3     300     450     450     450'
 expect_clean 'functions in tests           2      30      60      60      60'
 expect_clean 'tests to sources: 90 / 751 lines = 0.12'
+expect_clean 'tests to sources: 4 / 6 lines of code in .cpp files = 0.67'
+printf '\n/* Two lines\n   of a comment. */\nint answer() { return 42; }  // code\n' >>"$tree/tests/core/a_test.cpp"
+expect_clean 'tests to sources: 5 / 6 lines of code in .cpp files = 0.83'
 
 echo '// one more' >>"$tree/core/a.cpp"
 expect_found 'core/a.cpp:451: has 451 lines, at most 450 are allowed'

@@ -95,7 +95,8 @@ std::string list_text(const Json& list) {
                         robot["address"].get<std::string>(),
                         robot["rtde_port"].get<int>());
   }
-  return text.empty() ? "nothing answers; robots other than twins are told by no network\n" : text;
+  return text.empty() ? "nothing answers; robots other than twins are not found by the network\n"
+                      : text;
 }
 
 std::string grab_text(const Json& result) {

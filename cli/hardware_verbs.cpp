@@ -86,7 +86,7 @@ void add_compare_verb(CLI::App& app, CommandLine& line) {
   compare
       ->add_option("--scene",
                    arguments.scene,
-                   "scene of a simulated picture that comes without one: names edges, tells causes")
+                   "scene of a simulated picture that comes without one: names edges and causes")
       ->type_name("FILE.toml")
       ->check(not_empty());
   compare
@@ -383,8 +383,9 @@ void add_cell_verb(CLI::App& app, CommandLine& line) {
                    arguments.words,
                    "the cell's file; of twins before it: camera, robot, both, stop, place or light")
       ->type_name("FILE");
-  cell->add_flag(
-      "--move", arguments.is_move, "let the robot move: type it when nobody is within its reach");
+  cell->add_flag("--move",
+                 arguments.is_move,
+                 "let the robot move: only when nobody is within reach of the arm");
   cell->add_option("--view", arguments.view, "move: name or number of a view; safe: a position")
       ->type_name("NAME");
   cell->add_option("--speed_share", arguments.speed_share, "of the cell's limits of speed")
@@ -429,7 +430,7 @@ void add_acquire_verb(CLI::App& app, CommandLine& line) {
       ->check(not_empty());
   add_out(*acquire, arguments.out, "folder for the pictures (default out/<folder>/acquire)");
   acquire->add_flag(
-      "--dry_run", arguments.is_dry_run, "tell what would be done; connects to nothing");
+      "--dry_run", arguments.is_dry_run, "print what would be done; connects to nothing");
   add_driving_options(*acquire, arguments, "");
   add_mounted_option(*acquire, arguments, "");
 }

@@ -10,7 +10,7 @@ namespace glint {
 void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std::string& when) {
   verb.add_flag("--move",
                 arguments.is_move,
-                when + "let the robot move: type it when nobody is within its reach");
+                when + "let the robot move: only when nobody is within reach of the arm");
   verb.add_option("--twin", arguments.twin, when + "ports of this ready file instead of the cell's")
       ->type_name("FILE")
       ->check(not_empty());

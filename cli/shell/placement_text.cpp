@@ -15,7 +15,7 @@ std::string placement_text(const std::string& name,
                                  at[0].get<double>(),
                                  at[1].get<double>(),
                                  at[2].get<double>());
-  text += pose["sigma_mm"].is_null() ? std::string(", how well known is not told\n")
+  text += pose["sigma_mm"].is_null() ? std::string(", how well known is not stated\n")
                                      : fmt::format(" +- {:.2g} mm, {:.2g} degrees\n",
                                                    pose["sigma_mm"].get<double>(),
                                                    pose["sigma_deg"].get<double>());

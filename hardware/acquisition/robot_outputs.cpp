@@ -24,7 +24,7 @@ void RobotOutputs::set_output(int index, bool is_on) {
 std::uint64_t RobotOutputs::outputs() const {
   const auto state = robot_.state();
   if (!state) {
-    throw IoError("the robot tells nothing of its outputs");
+    throw IoError("the robot reports nothing of its outputs");
   }
   return state->digital_outputs;
 }

@@ -254,7 +254,7 @@ std::string weakness_of(const CameraCalibration& result) {
       "the board is tilted by at most {:.1f} degrees, tilt it by 20 to 30 degrees about both axes";
   const std::string advice = fmt::format(kAdvice, result.largest_tilt_rad * kDegPerRad);
   if (!share.allFinite()) {
-    return "the focal length cannot be told: " + advice;
+    return "the focal length cannot be determined: " + advice;
   }
   if (share.maxCoeff() > kWorstFocalShare) {
     return fmt::format(

@@ -315,7 +315,7 @@ std::string text_of_status(ArvBufferStatus status) {
     case ARV_BUFFER_STATUS_SIZE_MISMATCH:
       return "it is larger than the camera had said";
     default:
-      return fmt::format("Aravis tells status {}", static_cast<int>(status));
+      return fmt::format("Aravis reports status {}", static_cast<int>(status));
   }
 }
 

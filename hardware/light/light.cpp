@@ -42,10 +42,11 @@ OutputLight::OutputLight(std::string name, DigitalOutputs& outputs, int index)
 void OutputLight::set(bool is_on) {
   outputs_.set_output(index_, is_on);
   if (bit(outputs_.outputs(), index_) != is_on) {
-    throw IoError(fmt::format("light {}: output {} was turned {}, and the device tells it is not",
-                              name_,
-                              index_,
-                              word(is_on)));
+    throw IoError(
+        fmt::format("light {}: output {} was turned {}, and the device reports that it is not",
+                    name_,
+                    index_,
+                    word(is_on)));
   }
 }
 

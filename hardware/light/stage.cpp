@@ -72,7 +72,7 @@ LinearStage::Status LinearStage::status() {
     }
     return status;
   }
-  throw IoError("linear stage: it does not tell where it is");
+  throw IoError("linear stage: it does not report where it is");
 }
 
 void LinearStage::go_to(int position) {

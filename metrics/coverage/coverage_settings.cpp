@@ -24,7 +24,7 @@ void visit_light(KeyVisitor& keys, CoverageSettings& s) {
   keys.integer("samples",
                s.samples,
                Range::between(1, 4096),
-               "paths a pixel of the small pictures that tell brightness");
+               "paths a pixel of the small pictures that brightness is read from");
   keys.require(s.min_grey <= s.max_grey, "min_grey", "must not be greater than max_grey");
 }
 

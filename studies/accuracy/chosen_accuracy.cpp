@@ -410,7 +410,7 @@ std::optional<RenderRung> rung_of_run(const Study& study, const std::filesystem:
       return rung;
     }
   }
-  throw IoError(fmt::format("{}: does not tell how the search was rendered; finish the run first",
+  throw IoError(fmt::format("{}: does not say how the search was rendered; finish the run first",
                             (run / "result.json").string()));
 }
 

@@ -82,7 +82,8 @@ class LadderTrial {
     evaluate_below_top();
     if (!below_top_ && task_.steps[top()].is_noisy && task_.steps[top()].fineness > 0.0) {
       choice_.problem = fmt::format(
-          "how far \"{}\" itself is off cannot be told: no setting of its kind with at most half "
+          "how far \"{}\" itself is off cannot be estimated: no setting of its kind with at most "
+          "half "
           "its samples renders every design",
           task_.steps[top()].name);
       return choice_;

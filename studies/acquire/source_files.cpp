@@ -68,7 +68,7 @@ PlanOrigin origin_of(const fs::path& source) {
   }
   if (origin.run.empty() && !origin.is_told) {
     throw ConfigError(
-        fmt::format("{}: planned_from: is missing: this plan of an earlier program does not tell "
+        fmt::format("{}: planned_from: is missing: this plan of an earlier program does not say "
                     "of which design it is, and so not which prototype it needs; plan it again, "
                     "or write null where its scene is of no run",
                     (files.plan.empty() ? file.parent_path() / kPlan : files.plan).string()));

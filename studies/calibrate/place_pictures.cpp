@@ -274,7 +274,7 @@ Placement board_in_pictures(const PlacingRig& rig, const CalibrateOptions& optio
   // Errors that neighbouring corners share are those that a pose cannot tell from a movement.
   const PlacedBySigma found = placed_by_pictures(rig, pictures, rig.known.noise.whole_pattern_px());
   if (!found.placed.has_value()) {
-    throw ConfigError("PICTURES: the board's place cannot be told from them");
+    throw ConfigError("PICTURES: the board's place cannot be found in them");
   }
   Placement board{
       .placed = *found.placed,

@@ -121,11 +121,12 @@ Placement by_touch(const TouchedPoints& points, const fs::path& file, double sig
   const auto sigma = sigma_mm > 0.0 ? std::optional(sigma_mm) : std::nullopt;
   const auto placed = place_by_points(points.part_mm, points.base_mm, sigma);
   if (!placed.has_value()) {
-    throw ConfigError(fmt::format(
-        "{}: {} points do not tell the part's place: it needs 3 that are not on one line, or 4 "
-        "where --set place.sigma_mm does not tell how well they were touched",
-        file.string(),
-        points.names.size()));
+    throw ConfigError(
+        fmt::format("{}: {} points do not determine the part's place: it needs 3 that are not on "
+                    "one line, or 4 "
+                    "where --set place.sigma_mm does not say how well they were touched",
+                    file.string(),
+                    points.names.size()));
   }
   Json list = Json::array();
   for (std::size_t i = 0; i < points.names.size(); ++i) {
@@ -251,7 +252,7 @@ Json notes_of(const std::vector<Placement>& placements, const PlacedPart& placed
     const std::string file = placement.told["file"].get<std::string>();
     if (placement.told.value("point_sigma", "") == "assumed") {
       notes.push_back(fmt::format(
-          "{}: too few points to tell how well they were found: 0.5 px; --set place.sigma_px "
+          "{}: too few points to estimate how well they were found: 0.5 px; --set place.sigma_px "
           "overrules",
           file));
     }
@@ -259,11 +260,11 @@ Json notes_of(const std::vector<Placement>& placements, const PlacedPart& placed
       notes.push_back(fmt::format("{}: {}", file, placement.told["note"].get<std::string>()));
     }
     if (placement.placed.covariance.isZero(0.0)) {
-      notes.push_back(fmt::format("{}: how well the place is known is not told", file));
+      notes.push_back(fmt::format("{}: how well the place is known is not stated", file));
     }
   }
   if (placements.size() > 1 && placed.covariance.isZero(0.0)) {
-    notes.push_back("the placements are all alike, so they do not tell how well the next is known");
+    notes.push_back("the placements are all alike, so they do not show how well the next is known");
   }
   return notes;
 }

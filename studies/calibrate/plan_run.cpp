@@ -106,7 +106,8 @@ Rig rig_of(const PosePlanOptions& options) {
     rig.board = read_board(options.board);
   }
   if (rig.camera.width_px == 0) {
-    throw ConfigError(fmt::format("{}: does not tell the picture's size", options.camera.string()));
+    throw ConfigError(
+        fmt::format("{}: does not state the picture's size", options.camera.string()));
   }
   return rig;
 }
@@ -148,7 +149,7 @@ Json notes_json(const Rig& rig, const PlanSettings& settings) {
   if (rig.is_lens_told() && (settings.near_mm == 0.0 || settings.far_mm == 0.0)) {
     notes.push_back(fmt::format(
         "[lens] of the camera's file shows all sharp to one pixel from {:.4g} mm to {}: where "
-        "plan.near_mm and plan.far_mm do not tell, the whole board stays within",
+        "plan.near_mm and plan.far_mm do not say, the whole board stays within",
         rig.sharp_near_mm,
         std::isfinite(rig.sharp_far_mm) ? fmt::format("{:.4g} mm", rig.sharp_far_mm)
                                         : std::string("infinity")));

@@ -87,7 +87,7 @@ std::string either_reading(const CalibrateInput& input,
                            const PoseConvention& convention,
                            Mounting mounting) {
   const PoseConvention& taken = input.poses->convention;
-  return fmt::format("{} --setup {}, or, which no picture tells from it,{} --setup {}",
+  return fmt::format("{} --setup {}, or, which no picture distinguishes from it,{} --setup {}",
                      difference(taken, convention),
                      setup_name(mounting),
                      difference(taken, inverse_of(convention)),
@@ -163,11 +163,12 @@ void check_one_camera(const CalibrateInput& input, const CameraCalibration& came
 /// Of a setup that was guessed. Beside the robot was tried second: poses the wrong way round look
 /// so, too.
 std::string note_of_setup(const CalibrateInput& input, Mounting mounting) {
-  std::string note = fmt::format(
-      "setup = \"{}\": guessed, neither --setup nor the board's file tells", setup_name(mounting));
+  std::string note =
+      fmt::format("setup = \"{}\": guessed, neither --setup nor the board's file says so",
+                  setup_name(mounting));
   if (mounting == Mounting::kEyeToHand) {
     const PoseConvention& taken = input.poses->convention;
-    note += fmt::format("; no picture tells it from{} --setup {}",
+    note += fmt::format("; no picture distinguishes it from{} --setup {}",
                         difference(taken, inverse_of(taken)),
                         setup_name(other_mounting(mounting)));
   }

@@ -254,7 +254,7 @@ void visit_gain(KeyVisitor& keys, CellCamera& camera) {
 }  // namespace
 
 void visit_keys(KeyVisitor& keys, CellCamera& camera) {
-  keys.text("id", camera.id, "vendor, model and serial number, as glint cell list tells them");
+  keys.text("id", camera.id, "vendor, model and serial number, as glint cell list names them");
   keys.text("address", camera.address, "IPv4 address");
   keys.choice("pixel_format", camera.pixel_format, kCellPixelFormats, "of pictures");
   keys.number("exposure_us",

@@ -31,7 +31,8 @@ void visit_linear(KeyVisitor& keys, CellStage& stage) {
   keys.number(
       "step_mm", stage.step_mm, Range::between(-1000, 1000), "to the next; 0: that of the scan");
   keys.number("speed_mm_s", stage.speed_mm_s, Range::positive(), "of its carriage");
-  keys.number("tolerance_mm", stage.tolerance_mm, Range::positive(), "of the place that it tells");
+  keys.number(
+      "tolerance_mm", stage.tolerance_mm, Range::positive(), "of the position that it reports");
   keys.number("timeout_s", stage.timeout_s, Range::positive(), "for one move");
 }
 

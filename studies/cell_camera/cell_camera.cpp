@@ -245,7 +245,7 @@ std::unique_ptr<Camera> open_camera_of(const CellCamera& camera) {
     if (found.size() > 1) {
       throw ConfigError(
           "camera.id",
-          fmt::format("is missing: {} cameras answer, glint cell list tells them", found.size()));
+          fmt::format("is missing: {} cameras answer, glint cell list names them", found.size()));
     }
     if (found.empty()) {
       throw IoError("no camera answers");

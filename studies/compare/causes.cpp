@@ -247,7 +247,7 @@ void note_contradiction(const CauseFit& fit, std::vector<std::string>& notes) {
   if (fit.before_px > 0.0 && fit.agreeing < kMinAgreeing) {
     notes.push_back(fmt::format(
         "Only {:.0f} % of the edges are where one change of pose, lens or camera would have them: "
-        "no cause is told. Either outlines are not the part's (see the overlay) or its shape is "
+        "no cause is named. Either outlines are not the part's (see the overlay) or its shape is "
         "another.",
         100.0 * fit.agreeing));
   }
@@ -265,7 +265,7 @@ void withhold_doubtful(const OutlinePair& outlines, int width_px, PairCauses& ca
   }
   causes.notes.push_back(fmt::format(
       "Edges lie {:.1f} px apart (rms), and {}: which belong together is not sure, and no cause is "
-      "told of them.",
+      "named for them.",
       fit.before_px,
       is_guided ? "too little of the outline was found in the real picture"
                 : "they were not looked for along the simulated outline"));

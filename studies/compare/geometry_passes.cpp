@@ -23,7 +23,7 @@ constexpr int kSamples = 16;
 std::string missing_sentence(const fs::path& scene, const std::string& why) {
   return fmt::format(
       "{} has no geometry.exr, and {}: edges have no names, and no cause of pose, "
-      "lens or camera is told.",
+      "lens or camera is named.",
       (scene.filename() == "scene.toml" ? scene.parent_path() : scene).string(),
       why);
 }

@@ -51,8 +51,9 @@ std::vector<std::string> group_names(const SceneSettings& scene) {
 }
 
 std::string missing_as_goal(std::string_view score) {
-  return score == "rays.max_cells" ? "is told only where it is below 16; it cannot be searched for"
-                                   : "";
+  return score == "rays.max_cells"
+             ? "is reported only where it is below 16; it cannot be searched for"
+             : "";
 }
 
 std::string missing_by_paths(const SceneSettings& scene, std::string_view score) {

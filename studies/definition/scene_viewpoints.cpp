@@ -46,7 +46,7 @@ FlangeChain chain_of(const SceneSettings& scene) {
     if (!cell.base_from_part) {
       throw ConfigError(of_flange(
           "needs [cell.base_from_part]: the camera is on the flange, and where the part lies in "
-          "the frame of the robot's base is not told"));
+          "the frame of the robot's base is not given"));
     }
     return {.camera = transform_of(calibration.flange_from_camera->pose),
             .part = transform_of(cell.base_from_part->pose)};
@@ -55,7 +55,7 @@ FlangeChain chain_of(const SceneSettings& scene) {
     if (!cell.flange_from_part) {
       throw ConfigError(of_flange(
           "needs [cell.flange_from_part]: the camera stands beside the robot, and where the robot "
-          "holds the part is not told"));
+          "holds the part is not given"));
     }
     return {.camera = transform_of(calibration.base_from_camera->pose),
             .part = transform_of(cell.flange_from_part->pose)};

@@ -221,7 +221,7 @@ CellChain cell_chain(const SceneSettings& scene, const Cell& cell) {
   if (!calibration) {
     throw ConfigError(
         "calibration.flange_from_camera: is missing; the scene or the file that [calibration] of "
-        "the cell names has to tell where the camera is on the flange, or as base_from_camera "
+        "the cell names has to say where the camera is on the flange, or as base_from_camera "
         "where "
         "it stands beside the robot");
   }

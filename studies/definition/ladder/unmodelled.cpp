@@ -123,7 +123,7 @@ std::string polarisation_note(const SceneSettings& scene) {
                                  : metal_polarisation_of(scene, kAngle_rad);
   if (degree == 0.0) {
     return fmt::format(
-        "{}: no error for a surface that reflects everything, as this one is told to "
+        "{}: no error for a surface that reflects everything, as this one is asked to "
         "do. How a real metal polarises is known by its material.nk_file or "
         "reflectance alone.",
         what);

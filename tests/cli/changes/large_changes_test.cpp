@@ -135,7 +135,7 @@ TEST(LargeChanges, WithoutTheSimulatedOutlineAreNotTold) {
   for (const nlohmann::json& cause : causes) {
     EXPECT_NE(cause["of"], "edges") << gear.last();
   }
-  EXPECT_NE(gear.last_pair()["notes"].dump().find("no cause is told"), std::string::npos)
+  EXPECT_NE(gear.last_pair()["notes"].dump().find("no cause is named"), std::string::npos)
       << gear.last_pair()["notes"];
 }
 
@@ -152,7 +152,7 @@ bool is_shift_told(ChangedGear& gear, int width_px, double share) {
               gear.last().c_str(),
               gear.last_pair()["notes"].dump().c_str());
   const bool is_withheld =
-      gear.last_pair()["notes"].dump().find("no cause is told") != std::string::npos;
+      gear.last_pair()["notes"].dump().find("no cause is named") != std::string::npos;
   EXPECT_EQ(found.is_null(), is_withheld);
   if (!found.is_null()) {
     const double off = std::abs(found["value"].get<double>() - shift.value);

@@ -171,7 +171,7 @@ TEST(TryLadder, TellsNoBoundWhereNothingTellsHowFarTheTopIsOff) {
   for (FakeLadder ladder : {noisy_ladder({40, 64}), noisy_ladder({64})}) {
     const LadderChoice choice = ladder.choose();
     EXPECT_FALSE(choice.is_reached);
-    EXPECT_THAT(choice.problem, HasSubstr("\"64\" itself is off cannot be told"));
+    EXPECT_THAT(choice.problem, HasSubstr("\"64\" itself is off cannot be estimated"));
   }
 }
 

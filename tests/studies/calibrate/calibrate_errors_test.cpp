@@ -273,18 +273,19 @@ TEST_F(CalibrateErrors, PosesTheWrongWayRoundAreToldWithBothReadings) {
     GTEST_SKIP() << "no photographs";
   }
   const fs::path set = photographs("calibration/board_on_robot");
-  expect_refused({},
-                 {"--from",
-                  (board_on_robot().folder / "out/corners.csv").string(),
-                  "--board",
-                  (set / "board.json").string(),
-                  "--setup",
-                  "eye_in_hand",
-                  "--poses",
-                  (set / "poses.csv").string()},
-                 "they agree with --setup eye_to_hand, or, which no picture tells from it, --set "
-                 "convention.direction=flange_from_base --setup eye_in_hand; the poses were read "
-                 "with unit = \"mm\": guessed");
+  expect_refused(
+      {},
+      {"--from",
+       (board_on_robot().folder / "out/corners.csv").string(),
+       "--board",
+       (set / "board.json").string(),
+       "--setup",
+       "eye_in_hand",
+       "--poses",
+       (set / "poses.csv").string()},
+      "they agree with --setup eye_to_hand, or, which no picture distinguishes from it, --set "
+      "convention.direction=flange_from_base --setup eye_in_hand; the poses were read "
+      "with unit = \"mm\": guessed");
 }
 
 TEST_F(CalibrateErrors, PosesThatContradictThePicturesAreTold) {

@@ -259,10 +259,10 @@ TEST_F(PlaceVerb, RefusesWhatTellsNoPlace) {
     expect_refused_here([&] { place_part({{.file = name}}, options); }, message);
   };
   const std::string head = "x_mm,y_mm,z_mm,base_x_mm,base_y_mm,base_z_mm\n";
-  refused("two.csv", head + "0,0,0,1,1,1\n9,0,0,9,1,1\n", "two.csv: 2 points do not tell");
+  refused("two.csv", head + "0,0,0,1,1,1\n9,0,0,9,1,1\n", "two.csv: 2 points do not determine");
   refused("line.csv",
           head + "0,0,0,1,1,1\n9,0,0,10,1,1\n5,0,0,6,1,1\n7,0,0,8,1,1\n",
-          "line.csv: 4 points do not tell");
+          "line.csv: 4 points do not determine");
   refused("nan.csv", head + "0,0,0,1,nan,1\n", "nan.csv:2:9: 'nan' must be a number");
   refused("short.csv", head + "0,0,0,1,1\n", "short.csv:2:1: has 5 fields, must have 6");
   refused("none.csv", head, "none.csv: has no points");

@@ -238,7 +238,7 @@ TEST(Study, OverridesReachEveryKey) {
 TEST(StudyErrors, RefuseAScoreThatIsOnlyTold) {
   EXPECT_THAT(error_of("[variables]\n\"sensor.gain\" = { min = 1, max = 2 }\n"
                        "[objective]\nmaximise = \"rays.max_cells\"\n"),
-              ::testing::HasSubstr("is told only where it is below 16"));
+              ::testing::HasSubstr("is reported only where it is below 16"));
 }
 
 TEST(StudyErrors, NameTheirPlaceAndTheNearestKey) {

@@ -238,7 +238,7 @@ std::vector<std::string> blurred_method_notes(int rays_per_axis) {
   return {
       fmt::format("Light transport: blurred reflections, the lobe of rough metal summed without "
                   "noise around {} ray{} per pixel; light is reflected once by the part, whose "
-                  "light never meets it again.",
+                  "light never falls on the part again.",
                   rays,
                   rays == 1 ? "" : "s"),
       kHomogeneityNote,

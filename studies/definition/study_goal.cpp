@@ -253,11 +253,11 @@ void add_default_constraints(Study& study) {
     });
   };
   const std::vector<Objective> objectives = objectives_of(study.goal);
-  const bool is_about_evenness =
+  const bool is_about_homogeneity =
       study.has_objective && std::ranges::any_of(objectives, [&](const Objective& objective) {
         return begins(objective.name, "homogeneity.");
       });
-  if (!is_about_evenness) {
+  if (!is_about_homogeneity) {
     return;
   }
   if (!has("homogeneity.clipped_share")) {

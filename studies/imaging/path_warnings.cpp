@@ -31,13 +31,13 @@ std::string light_of_group(const std::string& group) {
   return is_segment ? group.substr(0, dot) : group;
 }
 
-/// A light before the part, as the camera sees it through a pixel.
-struct SeenPart {
+/// What the camera sees through a point of the picture: whether the part, and a light before it.
+struct PixelView {
   bool is_part = false;           ///< the ray goes to the part
   std::optional<LightHit> light;  ///< that it meets before
 };
 
-SeenPart look_through(const PhysicalScene& scene,
+PixelView look_through(const PhysicalScene& scene,
                       const RigidTransform& scene_from_camera,
                       const Eigen::Vector2d& pixel_px) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -76,7 +76,7 @@ std::vector<HidingLight> hiding_lights(const PhysicalScene& scene) {
   int on_part = 0;
   for (int y = step / 2; y < in.height_px; y += step) {
     for (int x = step / 2; x < in.width_px; x += step) {
-      const SeenPart seen = look_through(scene, scene_from_camera, {x + 0.5, y + 0.5});
+      const PixelView seen = look_through(scene, scene_from_camera, {x + 0.5, y + 0.5});
       on_part += seen.is_part ? 1 : 0;
       if (seen.light) {
         const auto group = static_cast<std::size_t>(seen.light->group);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `glint new`: a study to start from. It maximises how far the worst defect stands out, with
-// evenness and clipping as limits. Its dent lies where it has been seen to show: dents are tried at
-// several places at once, made steeper where none shows, and scored under other lightings of the
+// homogeneity and clipping as limits. Its dent lies where it has been seen to show: dents are tried
+// at several places at once, made steeper where none shows, and scored under other lightings of the
 // study's variables where the start does not show them.
 #pragma once
 

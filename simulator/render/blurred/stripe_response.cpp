@@ -145,7 +145,7 @@ void StripeResponse::choose_planes(const BlurredPoint& point,
     Planes middle;
     middle.count = 1;
     middle.phi_rad[0] = 0.5 * (ends[i] + ends[i + 1]);
-    meet_wall(point, middle);
+    intersect_wall(point, middle);
     if (middle.gain[0] == 0.0F) {
       continue;
     }
@@ -158,7 +158,7 @@ void StripeResponse::choose_planes(const BlurredPoint& point,
 }
 
 /// Where rays in the plane meet the wall.
-void StripeResponse::meet_wall(const BlurredPoint& point, Planes& planes) const {
+void StripeResponse::intersect_wall(const BlurredPoint& point, Planes& planes) const {
   for (std::size_t i = 0; i < planes.count; ++i) {
     planes.none[i] = 0.0F;
     planes.y[i] = static_cast<float>(point.point_mm.y());
@@ -245,7 +245,7 @@ void StripeResponse::at(const BlurredPoint& point,
   const LobeFrame frame = frame_of(point, shape);
   Planes planes;
   choose_planes(point, shape, planes);
-  meet_wall(point, planes);
+  intersect_wall(point, planes);
   std::vector<LobeRow> rows;
   for (std::size_t i = 0; i < planes.count; ++i) {
     rows.push_back(row_of(point, shape, planes, i, phase_mm));

@@ -52,7 +52,7 @@ class StripeResponse {
   void choose_planes(const BlurredPoint& point, const LobeShape& shape, Planes& planes) const;
   void add_planes(
       const LobeShape& shape, double from_rad, double to_rad, int count, Planes& planes) const;
-  void meet_wall(const BlurredPoint& point, Planes& planes) const;
+  void intersect_wall(const BlurredPoint& point, Planes& planes) const;
   LobeRow row_of(const BlurredPoint& point,
                  const LobeShape& shape,
                  const Planes& planes,

@@ -148,7 +148,7 @@ std::string reflections_note(const SceneSettings& scene) {
                                                          : scene.render.max_bounces;
   return fmt::format(
       "Light that the part reflects more than {} is not modelled: about {:.1g} % of its light, if "
-      "half of what it reflects meets it again.",
+      "half of what it reflects falls on the part again.",
       most == 1 ? std::string("once") : fmt::format("{} times", most),
       100.0 * std::pow(kReturn * mean_reflectance(scene), most));
 }

@@ -38,8 +38,8 @@ struct PixelView {
 };
 
 PixelView look_through(const PhysicalScene& scene,
-                      const RigidTransform& scene_from_camera,
-                      const Eigen::Vector2d& pixel_px) {
+                       const RigidTransform& scene_from_camera,
+                       const Eigen::Vector2d& pixel_px) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const auto in_camera = scene.camera.ray_through(pixel_px);
   if (!in_camera) {

@@ -5,8 +5,8 @@
 // product. In the lobe's long tails neighbouring directions meet the wall whole periods apart; what
 // a sum over them would say of the stripes there is noise, and the true share is almost nothing, so
 // waves fade out by the distance of neighbours (kept_of_wave()). Own derivation:
-// docs/theory/blurred.md, "What is summed" and "Directions". Cost: some 0.4 us for 32 directions and
-// 6 harmonics.
+// docs/theory/blurred.md, "What is summed" and "Directions". Cost: some 0.4 us for 32 directions
+// and 6 harmonics.
 #include "simulator/render/blurred/lobe_kernels.h"
 
 #include <cmath>

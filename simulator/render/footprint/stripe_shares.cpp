@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The bright share of a footprint of any width. The phase over a pixel is the sum of two uniform
-// variables, so the share is the square wave convolved with a trapezoid: the second difference of the
-// wave's second integral, divided by both widths; where the footprint is narrower than the stripes
-// the same is a sum over the edges in it. Widths are kept away from 0, where the quotient is 0 / 0.
-// Own derivation: docs/theory/footprints.md, "What is integrated". Cost: four second integrals a
-// footprint and frame, without branches; memory: the caller's rows.
+// variables, so the share is the square wave convolved with a trapezoid: the second difference of
+// the wave's second integral, divided by both widths; where the footprint is narrower than the
+// stripes the same is a sum over the edges in it. Widths are kept away from 0, where the quotient
+// is 0 / 0. Own derivation: docs/theory/footprints.md, "What is integrated". Cost: four second
+// integrals a footprint and frame, without branches; memory: the caller's rows.
 #include "simulator/render/footprint/stripe_shares.h"
 
 #include <cmath>

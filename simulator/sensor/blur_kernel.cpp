@@ -133,7 +133,7 @@ std::vector<double> blur_kernel(double sigma_px) {
   return mixed;
 }
 
-std::vector<double> blur_kernel_slope(double sigma_px) {
+std::vector<double> blur_kernel_derivative(double sigma_px) {
   if (sigma_px <= 0.0) {
     return {0.0};
   }

@@ -19,8 +19,8 @@ namespace glint {
 /// @param sigma_px  >= 0; 0: the centre alone
 std::vector<double> blur_kernel(double sigma_px);
 
-/// Their derivatives by sigma [1 / px], as many; the kernel's reach is held.
-std::vector<double> blur_kernel_slope(double sigma_px);
+/// Their derivatives by sigma [1 / px], as many; the kernel's reach is kept fixed.
+std::vector<double> blur_kernel_derivative(double sigma_px);
 
 /// How far the blur of a picture within [0, 1] may lie outside, along both axes; 0 where no weight
 /// is negative.

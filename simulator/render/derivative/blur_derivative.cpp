@@ -16,8 +16,8 @@ namespace glint {
 
 BlurDerivative::BlurDerivative(const Sensor& sensor, const Spans& wanted, const Spans& around)
     : weights_(sensor.blur_weights()), wanted_(wanted), around_(around) {
-  for (const double slope : blur_kernel_slope(sensor.settings().blur_px)) {
-    slopes_.push_back(static_cast<float>(slope));
+  for (const double by_sigma : blur_kernel_derivative(sensor.settings().blur_px)) {
+    derivatives_.push_back(static_cast<float>(by_sigma));
   }
 }
 
@@ -31,9 +31,9 @@ double BlurDerivative::derivative(const ImageF& radiance, const ImageF& by_blurr
       const auto at = static_cast<std::size_t>(std::abs(k));
       const int y = std::clamp(span.y + k, 0, radiance.height() - 1);
       gradient_kernels::add_scaled(
-          across_slopes_.row(y) + span.begin, span.size(), weights_[at], row_.data());
+          across_derivatives_.row(y) + span.begin, span.size(), weights_[at], row_.data());
       gradient_kernels::add_scaled(
-          across_.row(y) + span.begin, span.size(), slopes_[at], row_.data());
+          across_.row(y) + span.begin, span.size(), derivatives_[at], row_.data());
     }
     const float* by = by_blurred.row(span.y) + span.begin;
     for (std::size_t i = 0; i < row_.size(); ++i) {
@@ -47,7 +47,7 @@ double BlurDerivative::derivative(const ImageF& radiance, const ImageF& by_blurr
 void BlurDerivative::blur_rows(const ImageF& radiance) {
   if (across_.empty()) {
     across_ = ImageF(radiance.width(), radiance.height());
-    across_slopes_ = across_;
+    across_derivatives_ = across_;
   }
   const int radius = static_cast<int>(weights_.size()) - 1;
   for (const RowSpan& span : around_) {
@@ -57,14 +57,14 @@ void BlurDerivative::blur_rows(const ImageF& radiance) {
       padded_[static_cast<std::size_t>(i)] = radiance(x, span.y);
     }
     float* plain = across_.row(span.y) + span.begin;
-    float* slopes = across_slopes_.row(span.y) + span.begin;
+    float* derivatives = across_derivatives_.row(span.y) + span.begin;
     std::fill_n(plain, span.size(), 0.0F);
-    std::fill_n(slopes, span.size(), 0.0F);
+    std::fill_n(derivatives, span.size(), 0.0F);
     for (int k = -radius; k <= radius; ++k) {
       const auto at = static_cast<std::size_t>(std::abs(k));
       const float* from = padded_.data() + radius + k;
       gradient_kernels::add_scaled(from, span.size(), weights_[at], plain);
-      gradient_kernels::add_scaled(from, span.size(), slopes_[at], slopes);
+      gradient_kernels::add_scaled(from, span.size(), derivatives_[at], derivatives);
     }
   }
 }

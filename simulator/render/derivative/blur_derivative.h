@@ -29,8 +29,8 @@ class BlurDerivative {
   const std::vector<float>& weights_;
   const Spans& wanted_;
   const Spans& around_;
-  std::vector<float> slopes_;  ///< derivatives of the weights
-  ImageF across_, across_slopes_;
+  std::vector<float> derivatives_;  ///< derivatives of the weights
+  ImageF across_, across_derivatives_;
   std::vector<float> padded_, row_;
 };
 

@@ -73,10 +73,10 @@ void add_widths(const Footprints& footprints,
                 const Sensor& sensor,
                 double by_differences,
                 ScanGradient& gradient) {
-  const std::vector<double> slopes = blur_kernel_slope(sensor.settings().blur_px);
+  const std::vector<double> derivatives = blur_kernel_derivative(sensor.settings().blur_px);
   double by_sigma = 0.0;
-  for (std::size_t k = 1; k < slopes.size(); ++k) {
-    by_sigma += 2.0 * static_cast<double>(k * k) * slopes[k];
+  for (std::size_t k = 1; k < derivatives.size(); ++k) {
+    by_sigma += 2.0 * static_cast<double>(k * k) * derivatives[k];
   }
   gradient.period_mm -= by_differences * (1.0 / footprints.positions().period_mm);
   gradient.blur_px += by_differences / (2.0 * variance_of(sensor)) * by_sigma;

@@ -114,7 +114,7 @@ TEST(BlurKernel, SlopesAreThoseOfTheWeights) {
   constexpr double kStep = 1e-5;
   for (int i = 0; i < 1000; ++i) {
     const double sigma_px = rng.uniform(0.01, 2.0);
-    const std::vector<double> slope = blur_kernel_slope(sigma_px);
+    const std::vector<double> slope = blur_kernel_derivative(sigma_px);
     const std::vector<double> high = blur_kernel(sigma_px + kStep);
     const std::vector<double> low = blur_kernel(sigma_px - kStep);
     ASSERT_EQ(slope.size(), blur_kernel(sigma_px).size());

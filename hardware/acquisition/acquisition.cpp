@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -91,34 +92,74 @@ class Acquisition {
       set_lights(task.lights);
     }
     wait_for_lights();
-    double sharpest = task.sharpest;
-    for (const int position : task.positions) {
-      take_position(index, position, sharpest);
-    }
+    take_positions(index);
     all_lights_off();
   }
 
-  void take_position(std::size_t index, int position, double& sharpest) {
+  void take_positions(std::size_t index) {
+    const ViewTask& task = plan_.tasks[index];
+    double sharpest = task.sharpest;
+    is_first_held_ = task.positions.size() > 1 && sharpest == 0.0;
+    for (const int position : task.positions) {
+      take_position(index, position, 0, sharpest);
+    }
+    keep_first(sharpest);
+  }
+
+  /// @param attempt  the first one to make
+  void take_position(std::size_t index, int position, int attempt, double& sharpest) {
     if (devices_.stage != nullptr && devices_.stage->position() != position) {
       of_device(AcquisitionCause::kStage, [&] { devices_.stage->go_to(position); });
     }
-    for (int attempt = 0; attempt <= options_.limits.most_retakes; ++attempt) {
+    for (; attempt <= options_.limits.most_retakes; ++attempt) {
       look_for_interrupt();
       TakenPicture picture = {.task = index, .position = position, .attempt = attempt};
       take_picture(picture);
-      const ViewTask& task = plan_.tasks[index];
-      const double most_blur_px = blur_limit_px(options_.limits, task.expected.blur_px);
-      picture.figures = figures_of(picture.frame, task.expected, most_blur_px > 0.0);
+      const double most_blur_px = most_blur_of(picture);
+      picture.figures = figures_of(picture.frame, plan_.tasks[index].expected, most_blur_px > 0.0);
       picture.reason = rejection_of(picture.figures, options_.limits, sharpest, most_blur_px);
-      picture.is_accepted = picture.reason.empty();
-      of_sink(picture);
-      if (picture.is_accepted) {
+      if (picture.reason.empty()) {
         sharpest = std::max(sharpest, picture.figures.sharpness);
-        ++result_.accepted;
-        --result_.missing;
+        if (std::exchange(is_first_held_, false)) {
+          first_ = std::move(picture);
+        } else {
+          keep_first(sharpest);
+          keep(picture);
+        }
         return;
       }
+      keep(picture);
+    }
+  }
+
+  double most_blur_of(const TakenPicture& picture) const {
+    return blur_limit_px(options_.limits, plan_.tasks[picture.task].expected.blur_px);
+  }
+
+  /// Gives a picture to the sink, accepted where it has no reason against it.
+  void keep(TakenPicture& picture) {
+    picture.is_accepted = picture.reason.empty();
+    of_sink(picture);
+    if (picture.is_accepted) {
+      ++result_.accepted;
+      --result_.missing;
+    } else {
       ++result_.rejected;
+    }
+  }
+
+  /// The first picture of a sequence waits for the second one, as no earlier one tells how sharp it
+  /// should be; where that is much sharper, the first is taken again.
+  void keep_first(double& sharpest) {
+    if (!first_) {
+      return;
+    }
+    TakenPicture first = std::move(*first_);
+    first_.reset();
+    first.reason = rejection_of(first.figures, options_.limits, sharpest, most_blur_of(first));
+    keep(first);
+    if (!first.is_accepted) {
+      take_position(first.task, first.position, first.attempt + 1, sharpest);
     }
   }
 
@@ -294,6 +335,8 @@ class Acquisition {
   const PictureSink& sink_;
   ArmGuide guide_;
   AcquisitionResult result_;
+  bool is_first_held_ = false;         ///< the next accepted picture is the first of its sequence
+  std::optional<TakenPicture> first_;  ///< taken, and not kept yet
   double exposure_us_ = -1.0;
   std::vector<std::optional<bool>> lamp_states_;  ///< as they were set; empty: not known
   double settle_s_ = 0.0;

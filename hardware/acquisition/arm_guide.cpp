@@ -88,6 +88,7 @@ void ArmGuide::go_to_end(const std::function<void()>& before_each) {
   }
   while (!is_at_end()) {
     before_each();
+    normal_state();
     go(place_.value().is_point ? place_->leg + 1 : place_->ahead());
   }
 }

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -66,6 +67,9 @@ struct Bench {
         throw std::runtime_error("a mistake");
       }
       taken.push_back(picture);
+      if (before_end && taken.size() == plan.tasks.size()) {
+        before_end();
+      }
     });
   }
 
@@ -86,6 +90,7 @@ struct Bench {
   FakeLight bar{"bar", cell};
   FakeStage stage;
   std::vector<TakenPicture> taken;
+  std::function<void()> before_end = {};  ///< with as many pictures as views
 };
 
 TEST(Acquire, TakesEachPositionAtItsViewUnderItsLights) {
@@ -145,6 +150,24 @@ TEST(Acquire, RejectsSinglePicturesThatAreBlurred) {
     EXPECT_EQ(bench.run().is_complete(), is_sharp) << edge_px;
     EXPECT_EQ(bench.taken[0].reason.starts_with("blurred: its edges"), !is_sharp);
   }
+}
+
+// Of a scan nobody knows how sharp it should be: the second picture tells it of the first.
+TEST(Acquire, TakesTheFirstPictureOfAScanAgainThatIsBlurred) {
+  Bench bench(3);
+  bench.plan.tasks.resize(1);
+  bench.camera.edge_px_ = 0.9;
+  bench.camera.first_edge_px_ = 4.0;
+  const AcquisitionResult result = bench.run();
+  EXPECT_TRUE(result.is_complete()) << result.text;
+  EXPECT_EQ(result.rejected, 1);
+  ASSERT_EQ(bench.taken.size(), 4U);
+  EXPECT_EQ(bench.taken[0].position, 0);
+  EXPECT_FALSE(bench.taken[0].is_accepted);
+  EXPECT_THAT(bench.taken[0].reason, HasSubstr("blurred"));
+  EXPECT_EQ(bench.taken[1].position, 0);
+  EXPECT_EQ(bench.taken[1].attempt, 1);
+  EXPECT_EQ(bench.taken[3].position, 2);
 }
 
 TEST(Acquire, RefusesAnArmThatStandsOnNoPlannedWay) {
@@ -286,6 +309,18 @@ TEST(Acquire, DoesNotMoveBackInAReducedSafetyMode) {
   EXPECT_EQ(result.end, AcquisitionEnd::kStopped);
   EXPECT_THAT(result.text, HasSubstr("the way back was not made"));
   EXPECT_EQ(result.where, "left");
+}
+
+// At the normal end, too: the last picture is taken, and somebody steps in.
+TEST(Acquire, DoesNotGoToTheEndInAReducedSafetyMode) {
+  Bench bench(1);
+  bench.before_end = [&bench] { bench.cell.safety = SafetyMode::kReduced; };
+  const AcquisitionResult result = bench.run();
+  EXPECT_EQ(result.accepted, 2);
+  EXPECT_EQ(result.cause, AcquisitionCause::kRobot);
+  EXPECT_EQ(result.end, AcquisitionEnd::kStopped);
+  EXPECT_THAT(result.text, HasSubstr("safety mode REDUCED"));
+  EXPECT_EQ(result.where, "right");
 }
 
 }  // namespace

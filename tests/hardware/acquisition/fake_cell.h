@@ -233,8 +233,9 @@ class FakeCamera final : public Camera {
     cell_.call(FakeFault::kNone);
     frame.status = FrameStatus::kComplete;
     cell_.events.emplace_back("picture");
-    if (edge_px_ > 0.0) {
-      frame.codes = soft_square();
+    const double edge_px = frames_ == 1 && first_edge_px_ > 0.0 ? first_edge_px_ : edge_px_;
+    if (edge_px > 0.0) {
+      frame.codes = soft_square(edge_px);
       return frame;
     }
     frame.codes = Image<std::uint16_t>(16, 12);
@@ -262,12 +263,13 @@ class FakeCamera final : public Camera {
 
   int lost_while_configured_ = 0;
   bool dim_ = false;
-  double edge_px_ = 0.0;  ///< > 0: pictures of a bright square with edges of that sigma
+  double edge_px_ = 0.0;        ///< > 0: pictures of a bright square with edges of that sigma
+  double first_edge_px_ = 0.0;  ///< > 0: those of the first picture
 
  private:
-  Image<std::uint16_t> soft_square() const {
-    const auto step = [this](double from_px) {
-      return 0.5 * (1.0 + std::erf(from_px / (std::sqrt(2.0) * edge_px_)));
+  static Image<std::uint16_t> soft_square(double edge_px) {
+    const auto step = [edge_px](double from_px) {
+      return 0.5 * (1.0 + std::erf(from_px / (std::sqrt(2.0) * edge_px)));
     };
     Image<std::uint16_t> codes(200, 160);
     for (int y = 0; y < codes.height(); ++y) {

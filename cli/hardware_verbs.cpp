@@ -185,6 +185,24 @@ void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& argumen
       ->capture_default_str()
       ->check(positive());
   calibrate
+      .add_option("--target_mm",
+                  arguments.target_mm,
+                  "with --cell: and the camera's place on the flange to this (stated sigma)")
+      ->type_name("MM")
+      ->check(positive());
+  calibrate
+      .add_option("--target_deg",
+                  arguments.target_deg,
+                  "with --cell: and its turn there to this (stated sigma)")
+      ->type_name("DEG")
+      ->check(positive());
+  calibrate
+      .add_option(
+          "--max_rounds", arguments.max_rounds, "with --cell: no more rounds of pictures than this")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(between(1, 20));
+  calibrate
       .add_option("--part",
                   arguments.part,
                   "with --cell: scene of the part whose place is found by its edges, after --board "

@@ -21,7 +21,7 @@ tidy_tests     - clang-tidy on tests
 fuzz           - each fuzzer for a minute
 optuna         - Optuna opens exported runs, with its importances; left out with a word where it cannot be installed
 slow           - tests labelled slow, but those below
-slow_loop      - the loop of robot_cell at full width, and the hand-eye of ten cells
+slow_loop      - the loop of robot_cell in small pictures, and the hand-eye of three cells in whole ones
 slow_docs      - the commands of the pages, predicted costs, the package
 slow_search    - the searches of the gallery again, from their study files
 slow_golden    - every file that the studies of the gallery write, against its digest

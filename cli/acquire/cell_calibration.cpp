@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/acquire/cell_calibration.h"
 
+#include <cmath>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -34,17 +36,43 @@ std::string_view status_text(const std::string& status) {
   if (status == "most_rounds") {
     return "all rounds are used up, further poses may help";
   }
+  if (status == "no_picture") {
+    return "all pictures of the last round were rejected; the folder of the round tells why";
+  }
   return status == "no_pose_reached" ? "the arm cannot take any pose that would help"
                                      : "no further pose helps";
+}
+
+/// A dash where it is not known.
+std::string sigma_text(const Json& sigma, int digits) {
+  return sigma.is_number() && std::isfinite(sigma.get<double>())
+             ? fmt::format("{:.{}f}", sigma.get<double>(), digits)
+             : std::string("-");
+}
+
+/// "0.300 px, 0.040 mm were asked for"
+std::string targets_text(const Json& result) {
+  std::string text = fmt::format("{:.3f} px", result["target_px"].get<double>());
+  for (const auto& [name, unit] :
+       {std::pair("target_mm", "mm"), std::pair("target_deg", "degrees")}) {
+    if (const double target = result[name].get<double>(); target > 0.0) {
+      text += fmt::format(", {:g} {}", target, unit);
+    }
+  }
+  return text;
 }
 
 std::string rounds_text(const Json& result) {
   std::string text;
   for (const Json& round : result["rounds"]) {
-    text += fmt::format("round {}: {} pictures, a computed point is good to {:.3f} px\n",
-                        round["round"].get<int>(),
-                        round["pictures"].get<int>(),
-                        round["point_error_px"].get<double>());
+    text += fmt::format(
+        "round {}: {} pictures, a computed point is good to {:.3f} px, the hand-eye to {} mm and "
+        "{} degrees\n",
+        round["round"].get<int>(),
+        round["pictures"].get<int>(),
+        round["point_error_px"].get<double>(),
+        sigma_text(round["hand_eye_sigma_mm"], 3),
+        sigma_text(round["hand_eye_sigma_deg"], 4));
   }
   for (const Json& refused : result["refused"]) {
     text += fmt::format("pose {} is passed over, {}: {}\n",
@@ -55,9 +83,9 @@ std::string rounds_text(const Json& result) {
   if (result["status"] == "stopped") {
     return text + end_text(result["end"]);
   }
-  return text + fmt::format("{}: {:.3f} px were asked for\n{}\n",
+  return text + fmt::format("{}: {} were asked for\n{}\n",
                             status_text(result["status"].get<std::string>()),
-                            result["target_px"].get<double>(),
+                            targets_text(result),
                             result["calibration"].get<std::string>());
 }
 
@@ -159,7 +187,10 @@ AcquireAnswer run_cell_calibration(const CellCalibrationArguments& arguments, bo
   check(arguments);
   CalibrateCellOptions options = {.acquire = driven_options(arguments.acquire),
                                   .board = arguments.board,
-                                  .target_px = arguments.target_px,
+                                  .targets = {.point_px = arguments.target_px,
+                                              .hand_eye_mm = arguments.target_mm,
+                                              .hand_eye_deg = arguments.target_deg,
+                                              .max_rounds = arguments.max_rounds},
                                   .threads = arguments.threads};
   if (!arguments.setup.empty()) {
     options.setup = arguments.setup;

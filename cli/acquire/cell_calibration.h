@@ -15,6 +15,9 @@ struct CellCalibrationArguments {
   std::filesystem::path board;  ///< empty: --part with a calibration that is there
   std::string setup;            ///< empty: eye_in_hand
   double target_px = 0.3;
+  double target_mm = 0.0;  ///< of the hand-eye's stated sigma; 0: not asked for
+  double target_deg = 0.0;
+  int max_rounds = 4;
   std::filesystem::path part;    ///< scene of the part to be placed; empty: none
   std::filesystem::path camera;  ///< folder of a calibration, instead of the board's
   int placements = 1;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/calibrate_cell/calibrate_cell_run.h"
 
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -29,11 +30,10 @@ using calibrate_cell_detail::keep_poses;
 using calibrate_cell_detail::kept_poses;
 using calibrate_cell_detail::reached_poses;
 using calibrate_cell_detail::ReachedPoses;
+using calibrate_cell_detail::RoundErrors;
 using calibrate_cell_detail::WantedPose;
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
-
-constexpr double kWorthIt = 0.9;  ///< of the error before: more, and another round is not worth it
 
 constexpr int kPlannedForOne = 3;  ///< poses asked for, so that others replace those out of reach
 
@@ -54,6 +54,19 @@ Json unplanned_json(const Json& unplanned) {
         {{"pose", view["view"]}, {"outcome", view["outcome"]}, {"reason", view["reason"]}});
   }
   return list;
+}
+
+/// What a calibration tells of itself; a hand-eye without sigmas is not known.
+RoundErrors errors_in(const Json& calibration) {
+  const Json& hand_eye = calibration["hand_eye"];
+  const auto sigma = [&hand_eye](const char* name) {
+    return hand_eye.is_object() && hand_eye[name].is_number()
+               ? hand_eye[name].get<double>()
+               : std::numeric_limits<double>::infinity();
+  };
+  return {.point_px = calibration["point_error_px"]["rms"].get<double>(),
+          .hand_eye_mm = sigma("sigma_mm"),
+          .hand_eye_deg = sigma("sigma_deg")};
 }
 
 class CellCalibration {
@@ -81,7 +94,9 @@ class CellCalibration {
             {"status", status},
             {"ok", status == "good"},
             {"folder", folder_.string()},
-            {"target_px", options_.target_px},
+            {"target_px", options_.targets.point_px},
+            {"target_mm", options_.targets.hand_eye_mm},
+            {"target_deg", options_.targets.hand_eye_deg},
             {"rounds", rounds_},
             {"refused", refused_},
             {"end", end_},
@@ -106,24 +121,22 @@ class CellCalibration {
     if (round == 1) {
       refused_ = unplanned_json(taken.value("unplanned", Json::array()));
     }
+    if (taken["counts"]["accepted"] == 0) {
+      return "no_picture";
+    }
     take_over(round);
     const Json calibration = calibrate();
-    const double error_px = calibration["point_error_px"]["rms"].get<double>();
-    const double before_px = std::exchange(error_px_, error_px);
+    const RoundErrors errors = errors_in(calibration);
     rounds_.push_back({{"round", round},
                        {"pictures", taken["counts"]["accepted"]},
-                       {"point_error_px", error_px},
+                       {"point_error_px", errors.point_px},
+                       {"hand_eye_sigma_mm", errors.hand_eye_mm},
+                       {"hand_eye_sigma_deg", errors.hand_eye_deg},
                        {"prediction_rms_px", calibration["prediction_rms_px"]}});
-    if (error_px <= options_.target_px) {
-      return "good";
-    }
-    if (round > 1 && error_px > kWorthIt * before_px) {
-      return "no_pose_helps";
-    }
-    if (round >= options_.most_rounds) {
-      return "most_rounds";
-    }
-    return seek_poses(round + 1) ? "" : "no_pose_reached";
+    const double missed = calibrate_cell_detail::missed_by(errors, options_.targets);
+    const std::string status = calibrate_cell_detail::status_after_round(
+        round, missed, std::exchange(missed_, missed), options_.targets.max_rounds);
+    return !status.empty() || seek_poses(round + 1) ? status : "no_pose_reached";
   }
 
   Json acquire(int round) const {
@@ -256,7 +269,7 @@ class CellCalibration {
   std::vector<fs::path> pictures_;
   std::string poses_;
   Json rounds_ = Json::array();
-  double error_px_ = 0.0;         ///< of a point, after the last round
+  double missed_ = 0.0;           ///< missed_by() after the last round
   Json refused_ = Json::array();  ///< poses that the last plan passed over
   Json end_;                      ///< of an acquisition that was stopped
 };

@@ -17,16 +17,16 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "studies/acquire/acquire_run.h"
+#include "studies/calibrate_cell/round_status.h"
 
 namespace glint {
 
 struct CalibrateCellOptions {
   AcquireOptions acquire;  ///< its `source` and `views` are not used; `out` is the whole folder
   std::filesystem::path board;  ///< board.toml or board.json, needed
-  double target_px = 0.3;  ///< of the point error, one sigma of a computed point over the picture
+  calibrate_cell_detail::RoundTargets targets;
   std::string setup = "eye_in_hand";  ///< or "eye_to_hand": the board is on the flange
   int poses_a_round = 8;
-  int most_rounds = 4;
   int threads = 1;
 };
 
@@ -37,7 +37,8 @@ std::filesystem::path calibration_folder(const AcquireOptions& acquire);
 /// best takes its place.
 /// @return {"status", "ok", "rounds": [...], "refused": [...], "calibration"}; status "good",
 ///         "no_pose_helps" (the last round made it better by less than a tenth), "most_rounds" (all
-///         were used), "no_pose_reached" (each pose that was asked for is refused), "stopped"
+///         were used), "no_pose_reached" (each pose that was asked for is refused), "no_picture"
+///         (all pictures of the last round were rejected), "stopped"
 /// @throws ConfigError, IoError; what has been taken stays, and the same call goes on with it. Not
 ///         with a round that has not ended where something stands in its way by now, or an earlier
 ///         program chose its paths: ConfigError says what to remove

@@ -5,7 +5,8 @@
 #
 # GLINT names the program, else build/release/glint; WIDTH=306 makes pictures a quarter as wide,
 # SAMPLES=64 renders with so many samples a pixel, on both sides; TARGET_PX is how well a point must
-# be known for the calibration to end; SPEEDUP=40 lets the arm's twin move so many times as fast;
+# be known for the calibration to end, which in pictures of 1224 pixels and more is also to know the
+# hand-eye to 0.04 mm and 0.012 degree; SPEEDUP=40 lets the arm's twin move so many times as fast;
 # DESIGNS="ring dome" tries these alone on the robot; SEED=8 draws other errors of the arm and of the
 # pictures; CALIBRATE_ONLY=1 ends after the calibration.
 set -euo pipefail
@@ -58,9 +59,11 @@ printf 'schema = 2\ninclude = ["%s"]\n%s\n' "$here/study.toml" "$resize" >"$out/
 
 # 1. The camera's lens and its place on the flange.
 "$glint" cell twin both "$out/cell_board.toml" --port 0 --detach --ready_file "$ready"
+hand_eye=()
+if ((${WIDTH:-1224} >= 1224)); then hand_eye=(--target_mm 0.04 --target_deg 0.012 --max_rounds 6); fi
 status=0
 "$glint" calibrate --cell "$out/cell_board.toml" --twin "$ready" --board "$here/board.toml" \
-  --target_px "${TARGET_PX:-0.3}" --out "$out/calibrate" --move || status=$?
+  --target_px "${TARGET_PX:-0.3}" "${hand_eye[@]}" --out "$out/calibrate" --move || status=$?
 if [[ $status -eq 1 && -e $out/calibrate/calibration/calibration.toml ]]; then
   echo "going on with this calibration"
 elif [[ $status -ne 0 ]]; then

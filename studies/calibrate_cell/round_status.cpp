@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/calibrate_cell/round_status.h"
+
+#include <algorithm>
+
+namespace glint::calibrate_cell_detail {
+namespace {
+
+constexpr double kWorthIt = 0.9;  ///< of the error before: more, and another round is not worth it
+
+double share_of(double error, double target) {
+  return target > 0.0 ? error / target : 0.0;
+}
+
+}  // namespace
+
+double missed_by(const RoundErrors& errors, const RoundTargets& targets) {
+  return std::max({share_of(errors.point_px, targets.point_px),
+                   share_of(errors.hand_eye_mm, targets.hand_eye_mm),
+                   share_of(errors.hand_eye_deg, targets.hand_eye_deg)});
+}
+
+std::string status_after_round(int round, double missed, double before, int max_rounds) {
+  if (missed <= 1.0) {
+    return "good";
+  }
+  if (round > 1 && missed > kWorthIt * before) {
+    return "no_pose_helps";
+  }
+  return round >= max_rounds ? "most_rounds" : "";
+}
+
+}  // namespace glint::calibrate_cell_detail

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/calibrate_cell/round_status.h"
+
+#include <gtest/gtest.h>
+
+namespace glint::calibrate_cell_detail {
+namespace {
+
+// 0.2 px of 0.3 are two thirds, 0.06 mm of 0.04 are one and a half.
+TEST(RoundStatus, IsGoodWhereAllThatIsAskedForIsReached) {
+  const RoundErrors errors = {.point_px = 0.2, .hand_eye_mm = 0.06, .hand_eye_deg = 0.006};
+  EXPECT_NEAR(missed_by(errors, {}), 2.0 / 3.0, 1e-12);
+  const RoundTargets hand_eye = {.hand_eye_mm = 0.04, .hand_eye_deg = 0.012};
+  EXPECT_NEAR(missed_by(errors, hand_eye), 1.5, 1e-12);
+  EXPECT_NEAR(missed_by(errors, {.hand_eye_deg = 0.003}), 2.0, 1e-12);
+  EXPECT_EQ(status_after_round(1, 2.0 / 3.0, 0.0, 4), "good");
+  EXPECT_EQ(status_after_round(1, 1.5, 0.0, 4), "");
+}
+
+TEST(RoundStatus, EndsWhereRoundsHelpNoMoreOrAreUsedUp) {
+  EXPECT_EQ(status_after_round(2, 1.5, 1.6, 4), "no_pose_helps");
+  EXPECT_EQ(status_after_round(2, 1.5, 2.0, 4), "");
+  EXPECT_EQ(status_after_round(4, 1.5, 2.0, 4), "most_rounds");
+  EXPECT_EQ(status_after_round(4, 1.5, 2.0, 6), "");
+}
+
+}  // namespace
+}  // namespace glint::calibrate_cell_detail

@@ -52,6 +52,9 @@ std::string plan_text(const Json& result) {
     const Json& last = result["paths"].back();
     text += fmt::format("tour: {}{}\n", order, last["to"].get<std::string>());
   }
+  for (const Json& note : result["notes"]) {
+    text += fmt::format("note: {}\n", note.get<std::string>());
+  }
   return text + plan_sentence(result) + "\n" +
          fmt::format("report: {}\n", result["report"].get<std::string>());
 }

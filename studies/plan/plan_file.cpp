@@ -207,7 +207,8 @@ Json plan_json(const PlanFile& file) {
                {"run", path_json(file.origin.run)},
                {"reach", {{"share", plan.reach_share}, {"margin_mm", plan.reach_margin_mm}}},
                {"views", Json::array()},
-               {"paths", Json::array()}};
+               {"paths", Json::array()},
+               {"notes", file.notes}};
   double duration_s = 0.0;
   for (const PlannedView& view : plan.views) {
     json["views"].push_back(view_json(view));

@@ -26,6 +26,7 @@ struct PlanFile {
   std::filesystem::path scene;  ///< beside plan.json
   std::filesystem::path cell;
   PlanOrigin origin = {};
+  std::vector<std::string> notes = {};  ///< what was not looked at; not read again
 };
 
 /// The object of plan.json. Of scene and cell the names are written.

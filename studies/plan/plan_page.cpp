@@ -93,7 +93,7 @@ std::string plan_page(const PlanPage& page) {
         {{"title", "Summary"},
          {"sentence", plan_sentence(page.plan)},
          {"tone", is_whole ? "good" : "neutral"},
-         {"details", Json::array()}}},
+         {"details", page.plan["notes"]}}},
        {"when", page.when},
        {"scene",
         {{"picture", base64(png_bytes(page.sheet))},

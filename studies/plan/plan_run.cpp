@@ -49,8 +49,11 @@ class PlanRun {
     inputs.push_back(options_.cell);
     check_inputs_kept(inputs, options_.out, kFiles);
     made_ = plan();
-    const PlanFile file = {
-        .plan = made_.plan, .scene = "scene.toml", .cell = "cell.toml", .origin = origin()};
+    const PlanFile file = {.plan = made_.plan,
+                           .scene = "scene.toml",
+                           .cell = "cell.toml",
+                           .origin = origin(),
+                           .notes = notes()};
     Json result = plan_json(file);
     ResultWriter writer(options_.out, ResultKind::kViewPlan);
     write(writer.path(), file, result);
@@ -71,6 +74,15 @@ class PlanRun {
     } catch (const ConfigError& error) {
       throw with_place(study_.root, error);
     }
+  }
+
+  std::vector<std::string> notes() const {
+    if (!cell_.planning.settings.camera_size_mm.empty()) {
+      return {};
+    }
+    return {
+        "The room that the camera itself takes is in no collision check: the cell has no "
+        "planning.camera_size_mm."};
   }
 
   ImageRgb draw_views(const fs::path& folder) {

@@ -87,6 +87,14 @@ TEST(PlanViews, MakesPathsThatTheRobotWillNotRefuse) {
   EXPECT_GE(plan.reach_margin_mm, cell.margin_mm);
 }
 
+// 500,000 for 50 views: 200,000 for 20.
+TEST(PlanViews, AsksForFewDistances) {
+  PlanEffort effort;
+  plan_views(planned_cell(), random_views(20), {.has_nearest = false}, &effort);
+  EXPECT_GT(effort.distance_queries, 1000);
+  EXPECT_LT(effort.distance_queries, 500000 * 20 / 50);
+}
+
 TEST(PlanViews, SaysWhyAViewIsRefused) {
   PlanningCell cell = planned_cell();
   const ViewRequest good = from_above(300.0, 150.0);

@@ -121,6 +121,17 @@ TEST_F(PlanStudyTest, WritesAWholeFolderThatIsReadAgain) {
   EXPECT_EQ(again["paths"], result["paths"]);
 }
 
+TEST_F(PlanStudyTest, TellsThatACameraWithoutSizeIsNotLookedAt) {
+  EXPECT_TRUE(plan(kScene + kCalibration, kCell)["notes"].empty());
+  std::string cell = kCell;
+  const std::string size = "camera_size_mm = [40, 40, 60]\n";
+  cell.erase(cell.find(size), size.size());
+  const nlohmann::ordered_json result = plan(kScene + kCalibration, cell);
+  ASSERT_EQ(result["notes"].size(), 1U);
+  EXPECT_THAT(result["notes"][0].get<std::string>(), HasSubstr("planning.camera_size_mm"));
+  EXPECT_THAT(read_file(folder_ / "out/report.html"), HasSubstr("no planning.camera_size_mm"));
+}
+
 // The same view: the cable's room reaches down to the table, or does not.
 TEST_F(PlanStudyTest, RefusesAViewThatALongCableCannotTake) {
   const std::string cable = "cable_mm = [0, 50, -30, 0, 110, -60]";

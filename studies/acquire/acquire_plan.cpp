@@ -132,6 +132,7 @@ std::vector<ViewTask> tasks_of(const ViewPlan& views,
     }
     if (source.scene) {
       task.lights = shining_lights(*source.scene);
+      task.exposure_us *= source.scene->sensor.exposure;
     }
     if (!expected.masks.empty()) {
       // The stripes of a scan may be less sharp than the part: its sequence is compared with

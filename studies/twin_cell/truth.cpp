@@ -50,7 +50,7 @@ void visit_keys(KeyVisitor& keys, TruthSettings& settings) {
   keys.number("exposure_us",
               settings.exposure_s,
               Range::positive(),
-              "exposure of the camera at which sensor.exposure holds");
+              "exposure of the camera at which the truth's own sensor.exposure holds");
   keys.number("position_noise_mm",
               settings.position_noise_mm,
               Range::between(0, 100),

@@ -27,7 +27,7 @@ struct TruthSettings {
   /// about its own axes, >= 0.
   std::vector<double> placement_mm = {0.0, 0.0, 0.0};
   std::vector<double> placement_rad = {0.0, 0.0, 0.0};
-  double exposure_s = 0.01;        ///< > 0; at which the scene's sensor.exposure holds
+  double exposure_s = 0.01;        ///< > 0; at which the sensor.exposure of the truth holds
   double position_noise_mm = 0.0;  ///< >= 0; of the flange at each pose, per axis
   double rotation_noise_rad = 0.0;
   double joint_noise_rad = 0.0;  ///< >= 0; of each joint at each pose

@@ -192,6 +192,22 @@ TEST_F(AcquirePlan, KeepsTheCameraClearWhereTheSceneHasIt) {
   EXPECT_EQ(work.plan.tasks.size(), 2U);
 }
 
+// 500 and 2000 us are those of sensor.exposure 1.
+TEST_F(AcquirePlan, TakesTheExposureOfTheDesignTimesThatOfTheCell) {
+  write_file(folder_ / "scene.toml", kSceneWithCamera);
+  AcquireSource source;
+  source.scene = load_study(folder_ / "scene.toml", {}).scene;
+  source.scene->lights.clear();
+  source.scene->has_tunnel = false;
+  const AcquireWork work = work_of(source, cell_of(kCell), 0.5);
+  source.scene->sensor.exposure = 1.5;
+  const AcquireWork longer = work_of(source, cell_of(kCell), 0.5);
+  EXPECT_NEAR(work.plan.tasks[0].exposure_us, 500.0, 1e-9);
+  EXPECT_NEAR(longer.plan.tasks[0].exposure_us, 750.0, 1e-9);
+  EXPECT_NEAR(longer.plan.tasks[1].exposure_us, 3000.0, 1e-9);
+  EXPECT_NE(longer.digest, work.digest);
+}
+
 /// A bar far beside the camera, and what else kSceneWithCamera needs for it.
 std::string scene_with_bar(const std::string& mount) {
   return fmt::format(

@@ -2,10 +2,12 @@
 #include "studies/validate/both_scores.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 
 #include "metrics/aspect_image/defect_scores.h"
+#include "simulator/sensor/rounding.h"
 #include "studies/imaging/scene_picture.h"
 
 namespace glint {
@@ -55,6 +57,55 @@ class RealPicture : public ScenePicture {
   std::vector<double> ratios_;
 };
 
+constexpr std::size_t kMostViews = 3;
+constexpr double kLeastCompared = 200.0;  ///< pixels
+constexpr double kUnclipped = 0.98;
+constexpr double kAlikePixels = 9.0;  ///< neighbours whose differences count as one
+
+/// Sums over pixels that both sides show.
+struct ComparedGrey {
+  double pixels = 0.0;
+  double simulated = 0.0;
+  double real = 0.0;
+  double simulated_squares = 0.0;
+  double real_squares = 0.0;
+  double products = 0.0;
+  double step = 0.0;  ///< of the camera's grey values, the largest
+
+  double exposure() const { return real / simulated; }
+
+  /// Standard error of exposure() by what it leaves.
+  double exposure_sigma() const {
+    const double e = exposure();
+    const double left = real_squares - 2.0 * e * products + e * e * simulated_squares;
+    return std::sqrt(kAlikePixels * std::max(0.0, left)) / simulated;
+  }
+};
+
+void add_compared(SceneStore& store, const GreyView& view, ComparedGrey& sums) {
+  const auto picture = picture_of(store, view.scene, {.has_flawless = false});
+  const MeanImage simulated = picture->mean({});
+  const Mask& region = picture->traced()->region.mask;
+  for (std::size_t i = 0; i < region.size(); ++i) {
+    const auto real = static_cast<double>(view.real.values()[i]);
+    const bool is_clipped = simulated.clipped_frames.values()[i] != 0 || real >= kUnclipped;
+    if (region.values()[i] == 0 || is_clipped) {
+      continue;
+    }
+    const auto expected = static_cast<double>(simulated.aspect.values()[i]);
+    sums.pixels += 1.0;
+    sums.simulated += expected;
+    sums.real += real;
+    sums.simulated_squares += expected * expected;
+    sums.real_squares += real * real;
+    sums.products += expected * real;
+  }
+  sums.step = std::max(sums.step, view.step);
+}
+
+/// A camera that shows nothing is not infinitely far off.
+constexpr double kLeastExposure = 1e-6;
+
 }  // namespace
 
 BothScores scores_of_both(SceneStore& store,
@@ -73,6 +124,30 @@ BothScores scores_of_both(SceneStore& store,
   const RealPicture photograph(*picture, simulated.aspect, real);
   scores.real = evaluate(photograph, store.pool(), {}, wanted).scores;
   return scores;
+}
+
+GreyFit fit_exposure(SceneStore& store, const GreyDesign& design) {
+  GreyFit fit = {.is_exposure_only = true};
+  ComparedGrey sums;
+  const std::size_t count = std::min(design.views.size(), kMostViews);
+  for (std::size_t i = 0; i < count; ++i) {
+    add_compared(store, design.views[i * design.views.size() / count], sums);
+    ++fit.renders;
+  }
+  if (sums.pixels < kLeastCompared || sums.simulated <= 0.0) {
+    return fit;
+  }
+  const double grey = sums.simulated / sums.pixels;
+  const SensorSettings& sensor = design.views.front().scene.sensor;
+  fit.is_known = true;
+  fit.faults = {GreyFault::kExposure};
+  fit.change.exposure = std::max(sums.exposure(), kLeastExposure);
+  fit.values = {{.fault = GreyFault::kExposure,
+                 .value = fit.change.exposure,
+                 .sigma = sums.exposure_sigma()}};
+  fit.before = std::abs(1.0 - 1.0 / fit.change.exposure);
+  fit.rounding = largest_rounding_bias(grey_noise(sensor, grey), sums.step) / grey;
+  return fit;
 }
 
 }  // namespace glint

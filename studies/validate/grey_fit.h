@@ -55,7 +55,9 @@ struct GreyValue {
 /// What is told of one design. Lights and roughness are those of the cell, so equal for all
 /// designs.
 struct GreyFit {
-  bool is_known = false;          ///< false: too few pixels of the part, or no light
+  bool is_known = false;  ///< false: too few pixels of the part, or no light
+  bool is_exposure_only =
+      false;  ///< nothing else is fitted, and `exposed` and `after` are not known
   std::vector<GreyFault> faults;  ///< that the pictures ask for; exposure is always free
   std::vector<GreyValue> values;  ///< of exposure and these
   /// All others, as designed, with the sigma that they would have if they were free beside these;

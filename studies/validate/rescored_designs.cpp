@@ -2,6 +2,7 @@
 #include "studies/validate/rescored_designs.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <utility>
@@ -33,6 +34,7 @@ using Json = nlohmann::ordered_json;
 struct Score {
   std::optional<double> objective;  ///< empty: it cannot be scored
   bool is_feasible = false;
+  double error = 0.0;  ///< standard error of the objective by rendering
 };
 
 Score score_of(SceneStore& store, const SceneSettings& scene, const Goal& goal) {
@@ -42,7 +44,10 @@ Score score_of(SceneStore& store, const SceneSettings& scene, const Goal& goal) 
     if (found == scores.end()) {
       return {};
     }
-    return {.objective = found->second, .is_feasible = is_feasible(goal, scores)};
+    const auto error = scores.find(goal.objective.name + ".error");
+    return {.objective = found->second,
+            .is_feasible = is_feasible(goal, scores),
+            .error = error == scores.end() ? 0.0 : error->second};
   } catch (const ConfigError& error) {
     log(LogLevel::kWarning, "a design cannot be scored again: {}", error.what());
     return {};
@@ -62,6 +67,18 @@ bool is_better(const Score& one, const Score& other, bool is_maximised) {
     return one.is_feasible;
   }
   return is_maximised ? *one.objective > *other.objective : *one.objective < *other.objective;
+}
+
+constexpr double kToldErrors = 2.0;  ///< combined ones: less is noise of rendering
+
+/// Whether one is better by more than rendering may have made it.
+bool is_surely_better(const Score& one, const Score& other, bool is_maximised) {
+  if (!is_better(one, other, is_maximised)) {
+    return false;
+  }
+  const bool is_by_value = one.objective && other.objective && one.is_feasible == other.is_feasible;
+  return !is_by_value || std::abs(*one.objective - *other.objective) >
+                             kToldErrors * std::hypot(one.error, other.error);
 }
 
 constexpr std::size_t kTrials = 20;  ///< best of the search
@@ -161,20 +178,32 @@ const RescoredDesign* winner_of(const std::vector<RescoredDesign>& designs,
   return order.empty() ? nullptr : &*has_name(order.front());
 }
 
+/// Who takes the winner's place.
+struct Challenge {
+  const RescoredDesign* challenger = nullptr;  ///< null: none surely does
+  const RescoredDesign* untold = nullptr;      ///< is ahead by no more than noise
+};
+
 /// The best of those that the refit lifts above the winner. Trials that noise alone had above it
-/// before, and has so still, are none. Null: the winner stays.
-const RescoredDesign* challenger_of(const std::vector<RescoredDesign>& designs,
-                                    const RescoredDesign& winner,
-                                    bool is_maximised) {
-  const RescoredDesign* best = nullptr;
+/// before, and has so still, are none.
+Challenge challenge_to(const std::vector<RescoredDesign>& designs,
+                       const RescoredDesign& winner,
+                       bool is_maximised) {
+  Challenge found;
   for (const RescoredDesign& design : designs) {
     const bool is_lifted = is_better(design.after, winner.after, is_maximised) &&
                            !is_better(design.before, winner.before, is_maximised);
-    if (is_lifted && (best == nullptr || is_better(design.after, best->after, is_maximised))) {
+    if (!is_lifted) {
+      continue;
+    }
+    const RescoredDesign*& best = is_surely_better(design.after, winner.after, is_maximised)
+                                      ? found.challenger
+                                      : found.untold;
+    if (best == nullptr || is_better(design.after, best->after, is_maximised)) {
       best = &design;
     }
   }
-  return best;
+  return found;
 }
 
 Json row_of(const RescoredDesign& design) {
@@ -182,12 +211,21 @@ Json row_of(const RescoredDesign& design) {
           {"of", design.is_trial ? "search" : "run"},
           {"before", json_of(design.before.objective)},
           {"after", json_of(design.after.objective)},
+          {"error_before", design.before.error},
+          {"error_after", design.after.error},
           {"feasible_before", design.before.is_feasible},
           {"feasible_after", design.after.is_feasible}};
 }
 
 std::string winner_text(const Json& rescored) {
   const std::string winner = rescored["winner_before"].get<std::string>();
+  if (rescored["changed"].is_null()) {
+    return fmt::format(
+        "whether {} takes the place of {} cannot be told: they differ by less than two standard "
+        "errors of rendering",
+        rescored["untold"].get<std::string>(),
+        winner);
+  }
   if (rescored["changed"].get<bool>()) {
     return fmt::format(
         "{} takes the place of {}", rescored["winner_after"].get<std::string>(), winner);
@@ -215,16 +253,19 @@ Json rescored_json(const Study& study, const std::vector<RescoredDesign>& design
   const auto before = order_of(designs, &RescoredDesign::before, is_maximised);
   const auto after = order_of(designs, &RescoredDesign::after, is_maximised);
   const RescoredDesign* const winner = winner_of(designs, before);
-  const RescoredDesign* const challenger =
-      winner == nullptr ? nullptr : challenger_of(designs, *winner, is_maximised);
+  const Challenge challenge =
+      winner == nullptr ? Challenge{} : challenge_to(designs, *winner, is_maximised);
+  const RescoredDesign* const challenger = challenge.challenger;
+  const bool is_untold = challenger == nullptr && challenge.untold != nullptr;
   const std::string name = winner == nullptr ? "" : winner->name;
   Json json = {{"objective", study.goal.objective.name},
                {"designs", std::move(rows)},
                {"order_before", before},
                {"order_after", after},
                {"winner_before", name},
-               {"winner_after", challenger == nullptr ? name : challenger->name},
-               {"changed", challenger != nullptr}};
+               {"winner_after", challenger == nullptr ? name : challenger->name}};
+  json["changed"] = is_untold ? Json(nullptr) : Json(challenger != nullptr);
+  json["untold"] = is_untold ? Json(challenge.untold->name) : Json(nullptr);
   json["text"] = winner == nullptr || after.empty() ? "" : order_text(json);
   return json;
 }

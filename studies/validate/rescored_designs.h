@@ -40,10 +40,12 @@ SceneSettings refitted_scene(const SceneSettings& scene,
 
 /// @param names  of the run's folders of designs
 /// @return { objective, designs: [ { name, of ("run", "search"), before, after } ], order_before,
-///         order_after, winner_before, winner_after, changed, text }; a score that cannot be had is
-///         null, and the orders are without its design; changed: a design is ahead of the winner by
-///         the refit that was not before; null without an objective, and with several, which order
-///         no designs
+///         order_after, winner_before, winner_after, changed, untold, text }; a score that cannot
+///         be had is null, and the orders are without its design; changed: a design is ahead of the
+///         winner by the refit that was not before, by more than two standard errors of rendering
+///         (of both scores together); null where one is ahead by less, which `untold` names: it
+///         cannot be told; the whole is null without an objective, and with several, which order no
+///         designs
 nlohmann::ordered_json rescore_designs(SceneStore& store,
                                        const Study& study,
                                        const std::filesystem::path& run,

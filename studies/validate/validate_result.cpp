@@ -127,8 +127,9 @@ Json grey_json(const ValidationFindings& findings) {
   for (const DesignGrey& grey : findings.grey) {
     Json row = {{"design", grey.design}};
     row["before_share"] = grey.fit.is_known ? Json(grey.fit.before) : Json(nullptr);
-    row["exposed_share"] = grey.fit.is_known ? Json(grey.fit.exposed) : Json(nullptr);
-    row["after_share"] = grey.fit.is_known ? Json(grey.fit.after) : Json(nullptr);
+    const bool is_fitted = grey.fit.is_known && !grey.fit.is_exposure_only;
+    row["exposed_share"] = is_fitted ? Json(grey.fit.exposed) : Json(nullptr);
+    row["after_share"] = is_fitted ? Json(grey.fit.after) : Json(nullptr);
     row["limit_share"] = findings.limits.grey_share;
     const bool is_bounded = grey.fit.is_known && std::isfinite(grey.fit.rounding);
     row["rounding_share"] = is_bounded ? Json(grey.fit.rounding) : Json(nullptr);
@@ -150,6 +151,8 @@ Json texture_json(const ValidationFindings& findings) {
   return {{"spectrum_log10", optional_json(findings.texture)}, {"limit", findings.limits.texture}};
 }
 
+namespace {
+
 Json ranking_json(const Ranking& ranking) {
   Json pairs = Json::array();
   for (const RankedPair& pair : ranking.pairs) {
@@ -166,6 +169,19 @@ Json ranking_json(const Ranking& ranking) {
           {"pairs", pairs}};
 }
 
+}  // namespace
+
+Json rankings_json(const std::vector<ObjectiveRanking>& rankings) {
+  Json list = Json::array();
+  for (const ObjectiveRanking& by : rankings) {
+    Json row = {{"objective", by.objective}, {"is_maximised", by.is_maximised}};
+    row["ranking"] = by.ranking ? ranking_json(*by.ranking) : Json(nullptr);
+    row["reason"] = by.ranking ? Json(nullptr) : Json(by.reason);
+    list.push_back(std::move(row));
+  }
+  return list;
+}
+
 Json change_json(const SceneChange& change) {
   Json lights = Json::array();
   for (const LightChange& light : change.lights) {
@@ -179,25 +195,53 @@ Json change_json(const SceneChange& change) {
           {"lights", lights}};
 }
 
+namespace {
+
+/// A score's values in the views, and the rendering's standard error of the last one.
+struct SideValues {
+  std::vector<double> values;
+  std::optional<double> error;
+};
+
+/// With 95 %: of the mean over the views; of one view by its rendering, where that has noise.
+Json side_json(const SideValues& side) {
+  constexpr double kNormal95 = 1.96;
+  const double value = side.values.front();
+  if (side.values.size() > 1) {
+    Json json = estimated_json(mean_of(side.values));
+    json["interval"] = "views";
+    return json;
+  }
+  if (side.error) {
+    const double reach = kNormal95 * *side.error;
+    return {{"value", value},
+            {"low", value - reach},
+            {"high", value + reach},
+            {"interval", "rendering"}};
+  }
+  return {{"value", value}, {"low", nullptr}, {"high", nullptr}, {"interval", "one view: none"}};
+}
+
+}  // namespace
+
 Json both_scores_json(const std::vector<BothScores>& views) {
-  std::map<std::string, std::pair<std::vector<double>, std::vector<double>>> values;
+  std::map<std::string, std::pair<SideValues, SideValues>> scores;
   for (const BothScores& both : views) {
     for (const auto& [name, value] : both.simulated) {
       if (const auto real = both.real.find(name); real != both.real.end()) {
-        values[name].first.push_back(value);
-        values[name].second.push_back(real->second);
+        auto& [simulated_side, real_side] = scores[name];
+        simulated_side.values.push_back(value);
+        real_side.values.push_back(real->second);
+        if (const auto error = both.simulated.find(name + ".error");
+            error != both.simulated.end()) {
+          simulated_side.error = error->second;
+        }
       }
     }
   }
-  const auto side = [](const std::vector<double>& list) {
-    if (list.size() > 1) {
-      return estimated_json(mean_of(list));
-    }
-    return Json{{"value", list.front()}, {"low", nullptr}, {"high", nullptr}};
-  };
   Json json = Json::object();
-  for (const auto& [name, both] : values) {
-    json[name] = {{"simulated", side(both.first)}, {"real", side(both.second)}};
+  for (const auto& [name, sides] : scores) {
+    json[name] = {{"simulated", side_json(sides.first)}, {"real", side_json(sides.second)}};
   }
   return json;
 }
@@ -209,7 +253,9 @@ SceneChange common_change(const ValidationFindings& findings) {
     if (!grey.fit.is_known) {
       continue;
     }
-    roughness.push_back(grey.fit.change.roughness);
+    if (!grey.fit.is_exposure_only) {
+      roughness.push_back(grey.fit.change.roughness);
+    }
     for (const LightChange& light : grey.fit.change.lights) {
       if (std::ranges::find(change.lights, light.name, &LightChange::name) == change.lights.end()) {
         change.lights.push_back(light);
@@ -218,7 +264,7 @@ SceneChange common_change(const ValidationFindings& findings) {
   }
   if (const GreyFit* cell = validate_detail::common_fit(findings.grey)) {
     change.exposure = cell->change.exposure;
-    change.roughness = median(roughness);
+    change.roughness = roughness.empty() ? 1.0 : median(roughness);
   }
   return change;
 }

@@ -33,10 +33,11 @@ nlohmann::ordered_json edges_json(const ValidationFindings& findings,
 nlohmann::ordered_json geometry_json(const GeometryFit& fit);
 nlohmann::ordered_json grey_json(const ValidationFindings& findings);
 nlohmann::ordered_json texture_json(const ValidationFindings& findings);
-nlohmann::ordered_json ranking_json(const Ranking& ranking);
+nlohmann::ordered_json rankings_json(const std::vector<ObjectiveRanking>& rankings);
 nlohmann::ordered_json change_json(const SceneChange& change);
 
-/// Means over the views of scores that both sides have: { name: { simulated, real } }.
+/// Means over the views of scores that both sides have: { name: { simulated, real } }. Each has
+/// value, low, high and what the interval is of: "views", of one view "rendering", or none.
 nlohmann::ordered_json both_scores_json(const std::vector<BothScores>& views);
 
 /// What holds for all designs: the median exposure and roughness, each light as its own design

@@ -125,7 +125,7 @@ class ValidateRun {
     std::vector<std::string> names = {"result.json", "report.html", "run.json", kBefore};
     std::vector<fs::path> inputs = {options_.calibration};
     for (const ValidatedDesign& design : sources_.designs) {
-      names.push_back(design.name);
+      names.push_back(fs::path(design.name).begin()->string());
       for (const RealView& view : design.real.views) {
         inputs.push_back(view.picture);
       }
@@ -270,9 +270,7 @@ class ValidateRun {
       score_views(i);
       show(grey[i].name + ": scores");
     }
-    std::erase_if(grey, [](const GreyDesign& design) {
-      return design.views.empty() || !allows_many_viewpoints(design.views.front().scene);
-    });
+    fit_exposures(grey);
     const double agree_share = options_.is_refitting ? 0.0 : findings_.limits.grey_share;
     const std::vector<GreyFit> fits =
         fit_grey(store_,
@@ -284,6 +282,25 @@ class ValidateRun {
     show("grey values");
   }
 
+  /// Takes those out whose light is not path traced: of these one exposure alone is fitted.
+  void fit_exposures(std::vector<GreyDesign>& grey) {
+    std::erase_if(grey, [](const GreyDesign& design) { return design.views.empty(); });
+    const auto others = std::ranges::stable_partition(grey, [](const GreyDesign& design) {
+      return allows_many_viewpoints(design.views.front().scene);
+    });
+    for (const GreyDesign& design : others) {
+      GreyFit fit = {.is_exposure_only = true};
+      try {
+        fit = fit_exposure(store_, design);
+      } catch (const ConfigError& error) {
+        sources_.notes.push_back(
+            fmt::format("{}: its grey values are not compared: {}", design.name, error.what()));
+      }
+      findings_.grey.push_back({.design = design.name, .fit = std::move(fit)});
+    }
+    grey.erase(others.begin(), others.end());
+  }
+
   void score_views(std::size_t index) {
     for (std::size_t v = 0; v < views_.size(); ++v) {
       if (views_[v].design == index) {
@@ -293,41 +310,16 @@ class ValidateRun {
   }
 
   void score_view(std::size_t index, std::size_t view) {
-    RankedDesign& ranked = ranked_of(index);
+    const std::string& name = sources_.designs[index].name;
     try {
       const BothScores both =
           scores_of_both(store_, fitted_scene(view), views_[view].real, wanted());
-      scores_[ranked.name].push_back(both);
-      const std::string objective = objective_name();
-      if (both.simulated.contains(objective) && both.real.contains(objective)) {
-        ranked.simulated[views_[view].name] = both.simulated.at(objective);
-        ranked.real[views_[view].name] = both.real.at(objective);
-        if (const auto error = both.simulated.find(objective + ".error");
-            error != both.simulated.end()) {
-          ranked.simulated_error = error->second;
-        }
-      }
+      scores_[name].push_back(both);
+      sheet_.add(name, views_[view].name, both);
     } catch (const ConfigError& error) {
       sources_.notes.push_back(
-          fmt::format("{}, {}: not scored: {}", ranked.name, views_[view].name, error.what()));
+          fmt::format("{}, {}: not scored: {}", name, views_[view].name, error.what()));
     }
-  }
-
-  RankedDesign& ranked_of(std::size_t index) {
-    while (ranked_.size() <= index) {
-      ranked_.push_back({.name = sources_.designs[ranked_.size()].name});
-    }
-    return ranked_[index];
-  }
-
-  std::string objective_name() const {
-    return sources_.study && sources_.study->has_objective ? sources_.study->goal.objective.name
-                                                           : "homogeneity.h_rms";
-  }
-
-  bool is_maximised() const {
-    return !sources_.study || !sources_.study->has_objective ||
-           sources_.study->goal.objective.is_maximised;
   }
 
   WantedScores wanted() const {
@@ -335,13 +327,12 @@ class ValidateRun {
   }
 
   void rank() {
-    std::vector<RankedDesign> known;
-    std::ranges::copy_if(ranked_, std::back_inserter(known), [](const RankedDesign& design) {
-      return !design.simulated.empty();
-    });
-    if (known.size() > 1 && sources_.study && sources_.study->has_objective &&
-        !has_several_objectives(sources_.study->goal)) {
-      findings_.ranking = rank_designs(known, is_maximised());
+    findings_.rankings = sheet_.rankings(sources_.designs.size());
+    for (const ObjectiveRanking& by : findings_.rankings) {
+      if (!by.ranking) {
+        sources_.notes.push_back(
+            fmt::format("The designs are not ranked by {}: {}", by.objective, by.reason));
+      }
     }
   }
 
@@ -359,7 +350,8 @@ class ValidateRun {
     result["geometry"] = geometry_json(findings_.geometry);
     result["grey"] = grey_json(findings_);
     result["texture"] = texture_json(findings_);
-    result["objective"] = {{"name", objective_name()}, {"is_maximised", is_maximised()}};
+    const Objective& objective = sheet_.objective();
+    result["objective"] = {{"name", objective.name}, {"is_maximised", objective.is_maximised}};
     result["designs"] = Json::array();
     for (std::size_t i = 0; i < sources_.designs.size(); ++i) {
       result["designs"].push_back(design_json(i));
@@ -368,7 +360,9 @@ class ValidateRun {
     for (const LeftOutDesign& design : sources_.left_out) {
       result["left_out"].push_back({{"name", design.name}, {"reason", design.reason}});
     }
-    result["ranking"] = findings_.ranking ? ranking_json(*findings_.ranking) : Json(nullptr);
+    result["rankings"] = rankings_json(findings_.rankings);
+    result["ranking"] =
+        findings_.rankings.size() == 1 ? result["rankings"][0]["ranking"] : Json(nullptr);
     return result;
   }
 
@@ -394,7 +388,11 @@ class ValidateRun {
         sources_.study
             ? rescore_designs(store_, *sources_.study, options_.run, sources_.run_designs, refit)
             : Json(nullptr);
-    if (!json["rescored"].is_null() && json["rescored"]["text"] != "") {
+    if (json["rescored"].is_null()) {
+      sources_.notes.emplace_back(
+          "Whether the refit changes the winner is not told: that takes a study with one "
+          "objective");
+    } else if (json["rescored"]["text"] != "") {
       sources_.notes.push_back(json["rescored"]["text"].get<std::string>());
     }
     return json;
@@ -432,7 +430,7 @@ class ValidateRun {
   std::vector<double> distances_;
   std::vector<double> textures_;
   std::vector<double> blurs_;
-  std::vector<RankedDesign> ranked_;
+  RankingSheet sheet_{sources_.study};
   std::map<std::string, std::vector<BothScores>> scores_;
 };
 

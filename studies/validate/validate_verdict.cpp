@@ -42,7 +42,7 @@ class Judge {
     judge_edges();
     judge_grey();
     judge_blur();
-    note_rounded();
+    note_not_judged();
     std::ranges::stable_sort(verdict_.faults, {}, &ToldFault::is_within);
     decide();
     advise();
@@ -242,8 +242,16 @@ class Judge {
     }
   }
 
-  void note_rounded() {
+  void note_not_judged() {
     for (const DesignGrey& grey : f_.grey) {
+      if (!grey.fit.is_known) {
+        unknown_.push_back(grey.design);
+      } else if (grey.fit.is_exposure_only) {
+        verdict_.notes.push_back(fmt::format(
+            "{}: its light is not path traced: of its grey values one exposure alone is fitted, "
+            "powers of its segments and where it stands are not looked at",
+            grey.design));
+      }
       if (validate_detail::is_rounded_away(grey.fit)) {
         rounded_.push_back(grey.design);
         verdict_.notes.push_back(fmt::format(
@@ -278,7 +286,8 @@ class Judge {
   void decide() {
     const bool has_fault =
         std::ranges::any_of(verdict_.faults, [](const ToldFault& f) { return !f.is_within; });
-    const bool is_order_wrong = f_.ranking && !f_.ranking->agrees;
+    const bool is_order_wrong = std::ranges::any_of(
+        f_.rankings, [](const auto& by) { return by.ranking && !by.ranking->agrees; });
     const bool is_blur_apart = f_.blur_px2 && std::sqrt(std::abs(*f_.blur_px2)) > f_.limits.blur_px;
     const bool is_apart = is_grey_apart() || is_blur_apart || are_edges_apart();
     verdict_.agreement = has_fault || is_order_wrong ? SidesAgreement::kDisagrees
@@ -339,21 +348,6 @@ class Judge {
     return join(list, "; ");
   }
 
-  std::string ranking_text() const {
-    if (!f_.ranking || f_.ranking->pairs.empty()) {
-      return "";
-    }
-    if (!f_.ranking->agrees) {
-      return fmt::format(" The real order of the designs is another: {} instead of {}.",
-                         join(f_.ranking->real, ", "),
-                         join(f_.ranking->simulated, ", "));
-    }
-    const bool is_level = std::ranges::any_of(f_.ranking->pairs,
-                                              [](const RankedPair& pair) { return pair.is_level; });
-    return is_level ? " The ranking of the designs holds as far as it can be told."
-                    : " The ranking of the designs holds in reality.";
-  }
-
   void tell() {
     std::string& text = verdict_.sentence;
     switch (verdict_.agreement) {
@@ -373,10 +367,10 @@ class Judge {
     if (!rounded_.empty()) {
       text += fmt::format(" Grey values of {} are too dark to be judged.", join(rounded_, ", "));
     }
-    text += ranking_text();
-    if (verdict_.agreement == SidesAgreement::kDisagrees && f_.ranking && f_.ranking->agrees) {
-      text += " Until the cause is set right it is not proven.";
+    if (!unknown_.empty()) {
+      text += fmt::format(" Grey values of {} could not be compared.", join(unknown_, ", "));
     }
+    text += rankings_text(f_.rankings, verdict_.agreement != SidesAgreement::kDisagrees);
     if (f_.contrasts_apart > 0) {
       text += fmt::format(" Contrasts of {} of {} defects differ by more than {:.0f} %.",
                           f_.contrasts_apart,
@@ -388,6 +382,7 @@ class Judge {
   const ValidationFindings& f_;
   ValidateVerdict verdict_;
   std::vector<std::string> rounded_;  ///< designs whose grey values cannot be judged
+  std::vector<std::string> unknown_;  ///< designs that have none to compare
 };
 
 }  // namespace

@@ -52,7 +52,7 @@ struct ValidationFindings {
   std::optional<double> blur_px2;  ///< real minus simulated square of the edges' blur, median
   int contrasts = 0;               ///< defects seen on both sides
   int contrasts_apart = 0;         ///< of these beyond the limit and their intervals
-  std::optional<Ranking> ranking;
+  std::vector<ObjectiveRanking> rankings;
 };
 
 enum class SidesAgreement { kAgrees, kAfterRefit, kDisagrees };

@@ -43,6 +43,13 @@ std::vector<std::string> designs_in(const fs::path& run) {
   return names;
 }
 
+/// "front/NAME" of a design of several objectives' front.
+bool is_of_front(const fs::path& run, const std::string& name) {
+  const fs::path path(name);
+  return path.parent_path() == "front" && path.filename() != ".." &&
+         is_there(run / path / "scene.toml");
+}
+
 std::string told(const std::vector<std::string>& names) {
   return names.empty() ? "none" : join(names, ", ");
 }
@@ -113,9 +120,11 @@ class Finder {
       }
     }
     for (const std::string& name : names) {
-      if (std::ranges::find(sources_.run_designs, name) == sources_.run_designs.end()) {
+      if (std::ranges::find(sources_.run_designs, name) == sources_.run_designs.end() &&
+          !is_of_front(run_, name)) {
         throw ConfigError("designs",
-                          fmt::format("there is no design {} in {}, there are {}",
+                          fmt::format("there is no design {} in {}, there are {}; of a front's "
+                                      "designs the name is front/NAME",
                                       name,
                                       run_.string(),
                                       told(sources_.run_designs)));

@@ -54,11 +54,12 @@ export function misfitSection(facts) {
     table(['part', 'seen', 'predicted or allowed'], [...rows, ...grey, texture]));
 }
 
-const estimate = (value, digits = 4) => (!value ? '\u2013' : isNumber(value.low) ? `${fixed(value.value, digits)} (${fixed(value.low, digits)} to ${fixed(value.high, digits)})` : fixed(value.value, digits));
+const estimate = (value, digits = 4) => (!value ? '\u2013' : isNumber(value.low) ? `${fixed(value.value, digits)} (${fixed(value.low, digits)} to ${fixed(value.high, digits)})`
+  : `${fixed(value.value, digits)}${value.interval ? ` (${value.interval})` : ''}`);
 
 function scoreRows(data) {
   const names = [...new Set(data.designs.flatMap((design) => Object.keys(design.scores ?? {})))]
-    .filter((name) => name === data.objective.name || name === 'homogeneity.h_rms' || /^defects\.[^.]+\.contrast$/.test(name));
+    .filter((name) => data.rankings.some((by) => by.objective === name) || name === 'homogeneity.h_rms' || /^defects\.[^.]+\.contrast$/.test(name));
   return data.designs.flatMap((design) => names.filter((name) => design.scores?.[name]).map((name) => h('tr', {}, h('td', {}, `${design.name}: ${name}`), cell(estimate(design.scores[name].simulated)), cell(estimate(design.scores[name].real)))));
 }
 
@@ -73,12 +74,13 @@ function foundRows(design) {
 export function rankingSection(facts) {
   const data = facts.data.validation;
   if (!data) return null;
-  const { ranking } = data;
   const verdict = (pair) => (pair.against ? badge('bad', 'reversed') : pair.level ? badge('neutral', 'cannot be told') : badge('good', 'the same'));
   const row = (pair) => h('tr', {}, h('td', {}, `${pair.first} against ${pair.second}`), cell(estimate(pair.simulated)), cell(estimate(pair.real)), h('td', {}, verdict(pair)));
-  return section('sides', 'Designs on both sides', ranking ? `By ${data.objective.name}: simulated ${ranking.simulated.join(', ')}; in reality ${ranking.real.join(', ')}.` : null,
-    table(['score', 'simulated', 'real'], [...scoreRows(data), ...data.designs.flatMap(foundRows)].filter(Boolean)),
-    ranking?.pairs.length > 0 && h('h3', {}, 'Ranking'), ranking?.pairs.length > 0 && table(['first is better by', 'simulated', 'real', 'order'], ranking.pairs.map(row)));
+  const ordered = ({ objective, ranking, reason }) => (ranking
+    ? [h('h3', {}, `Ranking by ${objective}`), h('p', {}, `Simulated ${ranking.simulated.join(', ')}; in reality ${ranking.real.join(', ')}.`), table(['first is better by', 'simulated', 'real', 'order'], ranking.pairs.map(row))]
+    : [h('h3', {}, `Ranking by ${objective}`), h('p', {}, `None: ${reason}.`)]);
+  return section('sides', 'Designs on both sides', null,
+    table(['score', 'simulated', 'real'], [...scoreRows(data), ...data.designs.flatMap(foundRows)].filter(Boolean)), data.rankings.map(ordered));
 }
 
 export function refitSection(facts) {
@@ -88,7 +90,7 @@ export function refitSection(facts) {
   const light = (row) => h('li', {}, `${row.name}: moved by ${row.moved_mm.map((value) => fixed(value, 2)).join(', ')} mm`, row.segment_power.length > 0 && `; powers ${row.segment_power.map((value) => fixed(value, 2)).join(', ')}`);
   const scored = refit.rescored;
   const row = (design) => h('tr', {}, h('td', {}, design.name), cell(fixed(design.before, 4)), cell(fixed(design.after, 4)));
-  return section('refit', 'All designs with what the refit found', scored && (scored.changed ? `The winner changes: ${scored.winner_after} instead of ${scored.winner_before}.` : `The winner stays: ${scored.winner_after}.`),
+  return section('refit', 'All designs with what the refit found', scored && (scored.untold ? `Whether ${scored.untold} takes the place of ${scored.winner_before} cannot be told: less than two standard errors of rendering apart.` : scored.changed ? `The winner changes: ${scored.winner_after} instead of ${scored.winner_before}.` : `The winner stays: ${scored.winner_after}.`),
     h('ul', { class: 'notes' }, h('li', {}, `exposure \u00d7 ${fixed(refit.exposure, 3)}, roughness \u00d7 ${fixed(refit.roughness, 3)}`), refit.lights.map(light)),
     scored && table(['design', `${scored.objective} before`, 'after'], scored.designs.map(row)));
 }

@@ -9,12 +9,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/thread_pool.h"
 #include "optimizer/storage/storage.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/scene_store.h"
 #include "studies/validate/rescored_designs.h"
+#include "studies/validate/validate_result.h"
 #include "tests/studies/validate/trial_cell.h"
 #include "tests/support/temporary_folder.h"
 
@@ -63,6 +65,59 @@ TEST(Ranking, MinimisesWhereAsked) {
   EXPECT_EQ(ranking.real.front(), "a");
 }
 
+// a and b share view 1 alone: 3 - 5 = -2, where their means are 6.5 and 3.
+TEST(Ranking, IsThatOfTheViewsThatBothHave) {
+  const RankedDesign a = {
+      .name = "a", .simulated = {{"0", 10}, {"1", 3}}, .real = {{"0", 10}, {"1", 3}}};
+  const RankedDesign b = {
+      .name = "b", .simulated = {{"1", 5}, {"2", 1}}, .real = {{"1", 5}, {"2", 1}}};
+  const Ranking ranking = rank_designs({a, b}, true);
+  EXPECT_NEAR(ranking.pairs[0].simulated.value, -2.0, 1e-12);
+  EXPECT_FALSE(ranking.pairs[0].is_level);
+  EXPECT_EQ(ranking.simulated, (std::vector<std::string>{"b", "a"}));
+  EXPECT_EQ(ranking.real, ranking.simulated);
+}
+
+TEST(Ranking, OfDesignsWithoutACommonViewCannotBeTold) {
+  const RankedDesign a = {.name = "a", .simulated = {{"0", 10}}, .real = {{"0", 10}}};
+  const RankedDesign b = {.name = "b", .simulated = {{"1", 5}}, .real = {{"1", 25}}};
+  const Ranking ranking = rank_designs({a, b}, true);
+  EXPECT_TRUE(ranking.pairs[0].is_level);
+  EXPECT_TRUE(ranking.agrees);
+}
+
+TEST(RankingSheet, TellsWhyThereIsNoOrder) {
+  Study study;
+  study.has_objective = true;
+  study.goal.objective = {.name = "seen"};
+  study.goal.more_objectives = {{.name = "size", .is_maximised = false}};
+  RankingSheet sheet(study);
+  for (const auto& [name, seen] : {std::pair("a", 3.0), std::pair("b", 5.0)}) {
+    sheet.add(name, "0", {.simulated = {{"seen", seen}, {"size", 1.0}}, .real = {{"seen", seen}}});
+  }
+  const auto rankings = sheet.rankings(2);
+  ASSERT_EQ(rankings.size(), 2U);
+  ASSERT_TRUE(rankings[0].ranking);
+  EXPECT_EQ(rankings[0].ranking->real.front(), "b");
+  EXPECT_FALSE(rankings[1].ranking);
+  EXPECT_THAT(rankings[1].reason, testing::HasSubstr("none of 2 designs"));
+  EXPECT_THAT(sheet.rankings(1)[0].reason, testing::HasSubstr("one design alone"));
+  EXPECT_THAT(RankingSheet(std::nullopt).rankings(2)[0].reason,
+              testing::HasSubstr("no study.resolved.toml"));
+}
+
+// One view of path tracing: 3 +- 1.96 x 0.1; the camera's picture has no such error.
+TEST(BothScores, OfOneViewHaveTheIntervalOfTheirRendering) {
+  const BothScores one = {.simulated = {{"seen", 3.0}, {"seen.error", 0.1}},
+                          .real = {{"seen", 2.9}}};
+  const auto told = both_scores_json({one});
+  EXPECT_NEAR(told["seen"]["simulated"]["low"].get<double>(), 2.804, 1e-9);
+  EXPECT_EQ(told["seen"]["simulated"]["interval"], "rendering");
+  EXPECT_TRUE(told["seen"]["real"]["low"].is_null());
+  EXPECT_EQ(told["seen"]["real"]["interval"], "one view: none");
+  EXPECT_EQ(both_scores_json({one, one})["seen"]["real"]["interval"], "views");
+}
+
 /// A run's folder with ring and dome, of which no pictures are taken, traced coarsely.
 Study coarse_run(const std::filesystem::path& folder, const std::string& study_tables) {
   make_trial(folder, {}, {}, 0, study_tables);
@@ -101,6 +156,29 @@ TEST(RescoreDesigns, TellWhomTheRefitLiftsAboveTheWinner) {
   EXPECT_EQ(dead["changed"], true) << dead;
   EXPECT_EQ(dead["order_after"][0], dead["winner_after"]);
   EXPECT_THAT(dead["text"].get<std::string>(), testing::HasSubstr("takes the place of " + winner));
+}
+
+// Two designs that are nearly the same: the refit darkens the better one by a thousandth, which the
+// noise of two samples a pixel hides.
+TEST(RescoreDesigns, CannotTellByLessThanTheNoiseOfRendering) {
+  const TemporaryFolder folder;
+  const Study study = coarse_run(folder.path(), kTrialStudy);
+  SceneSettings twin = load_study(folder / "run/ring/scene.toml", {}).scene;
+  twin.sensor.exposure *= 0.9999;
+  make_folder(folder / "run/twin");
+  write_file(folder / "run/twin/scene.toml", "schema = 2\n" + to_toml(write_scene(twin)));
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  const auto with = [&](const DesignRefit& refit) {
+    return rescore_designs(store, study, folder / "run", {"ring", "twin"}, refit);
+  };
+  const std::string winner = with({})["winner_before"].get<std::string>();
+  const auto near = with({.exposures = {{winner, 0.999}}});
+  ASSERT_NE(near["order_after"][0], winner) << near;
+  EXPECT_TRUE(near["changed"].is_null()) << near;
+  EXPECT_EQ(near["untold"], near["order_after"][0]);
+  EXPECT_EQ(near["winner_after"], winner);
+  EXPECT_THAT(near["text"].get<std::string>(), testing::HasSubstr("cannot be told"));
 }
 
 // 22 trials with a score and one that failed: the best 20 of them, the best one first.

@@ -110,9 +110,10 @@ void make_trial(const fs::path& folder,
                 const TrialTruth& truth,
                 const std::vector<std::string>& designs,
                 std::size_t views,
-                const std::string& study_tables) {
+                const std::string& study_tables,
+                const std::string& scene_tables) {
   make_folder(folder / "run");
-  write_file(folder / "run" / "study.resolved.toml", std::string(kTrialScene) + study_tables);
+  write_file(folder / "run" / "study.resolved.toml", scene_tables + study_tables);
   const Study study = load_study(folder / "run" / "study.resolved.toml", {});
   for (const Prototype& prototype : study.prototypes) {
     const SceneSettings scene = scene_with(study, prototype.overrides);

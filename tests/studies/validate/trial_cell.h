@@ -115,13 +115,14 @@ struct TrialTruth {
 };
 
 /// Writes the run's folder, with the scenes of the designs alone, and the pictures of `designs`.
-/// @param study  what is added to kTrialScene
+/// @param study  what is added to the scene
 /// @return the folder; run/ and pictures/ are in it
 void make_trial(const std::filesystem::path& folder,
                 const TrialTruth& truth,
                 const std::vector<std::string>& designs = {"ring"},
                 std::size_t views = 4,
-                const std::string& study = kTrialStudy);
+                const std::string& study = kTrialStudy,
+                const std::string& scene = kTrialScene);
 
 /// Validates it. @return the result
 nlohmann::ordered_json validate_trial(const std::filesystem::path& folder,

@@ -28,6 +28,7 @@ TEST(Validate, AnUndisturbedCellAgreesAndKeepsItsRanking) {
   EXPECT_LT(result["edges"]["mean_distance_px"].get<double>(), 0.3);
   ASSERT_EQ(result["designs"].size(), 2U);
   EXPECT_TRUE(result["ranking"]["agrees"].get<bool>());
+  EXPECT_EQ(result["rankings"][0]["objective"], "defects.min_cnr");
   for (const char* file : {"result.json",
                            "report.html",
                            "run.json",
@@ -140,12 +141,111 @@ TEST(Validate, AMeanOfFramesIsRoundedAsTheyAre) {
   EXPECT_GT(result["grey"][0]["rounding_share"].get<double>(), 0.03) << result["grey"];
 }
 
+/// A mirror that is no lamp's: closed forms render it.
+constexpr const char* kMirrorScene = R"(schema = 2
+[part]
+shape = "strip"
+length_mm = 40
+width_mm = 24
+radius_along_mm = 400
+radius_across_mm = 60
+[camera]
+width_px = 204
+height_px = 170
+pixel_um = 41.4
+object_pixel_mm = 0.3
+working_distance_mm = 180
+[sensor]
+bits = 8
+full_well_e = 10000
+read_noise_e = 10
+[scan]
+positions = 1
+[lighting.tunnel]
+shape = "semicylinder"
+radius_mm = 80
+slot_mm = 24
+length_mm = 400
+period_mm = 40
+[calibration.flange_from_camera]
+translation_mm = [0, 50, 30]
+sigma_mm = [0.04, 0.04, 0.04]
+sigma_deg = [0.012, 0.012, 0.012]
+[cell.base_from_part]
+translation_mm = [280, -120, 20]
+sigma_mm = [0.03, 0.03, 0.03]
+sigma_deg = [0.02, 0.02, 0.02]
+[[viewpoint]]
+position_mm = [0, 0, 180]
+direction = [0, 0, -1]
+up = [0, 1, 0]
+[prototypes.tunnel]
+"lighting.tunnel.period_mm" = 40
+)";
+
+Json validated_mirror(double power) {
+  const TemporaryFolder folder;
+  const auto change = [power](SceneSettings& scene) { scene.sensor.exposure *= power; };
+  make_trial(folder.path(), {.change = change, .seed = 5}, {"tunnel"}, 1, "", kMirrorScene);
+  return validate_trial(folder.path());
+}
+
+TEST(Validate, AMirrorUnderATunnelAtHalfTheExposureDoesNotAgree) {
+  const Json same = validated_mirror(1.0);
+  EXPECT_EQ(same["agreement"], "agrees") << same["verdict"] << same["grey"];
+  ASSERT_EQ(same["grey"].size(), 1U);
+  EXPECT_NEAR(same["grey"][0]["values"][0]["value"].get<double>(), 1.0, 0.01) << same["grey"];
+  EXPECT_TRUE(same["grey"][0]["after_share"].is_null());
+  EXPECT_THAT(same["notes"].dump(), HasSubstr("tunnel: its light is not path traced"));
+  const Json half = validated_mirror(0.5);
+  EXPECT_EQ(half["agreement"], "does_not_agree") << half["verdict"] << half["grey"];
+  EXPECT_TRUE(has_cause(half, "exposure")) << half["causes"];
+  EXPECT_NEAR(half["grey"][0]["values"][0]["value"].get<double>(), 0.5, 0.01) << half["grey"];
+}
+
 TEST(Validate, APartTurnedByThreeDegreesIsTheCause) {
   const TemporaryFolder folder;
   make_trial(folder.path(), {.part_turn_deg = {0, 0, 3}});
   const Json result = validate_trial(folder.path());
   EXPECT_EQ(result["agreement"], "does_not_agree") << result["verdict"];
   EXPECT_TRUE(has_cause(result, "part_pose")) << result["causes"];
+}
+
+// Nobody sees the size of a light in its picture.
+TEST(Validate, TellsWhyDesignsAreNotRanked) {
+  const TemporaryFolder folder;
+  const std::string study = std::string(kTrialStudy);
+  const std::string prototypes = study.substr(0, study.find("[objective]"));
+  make_trial(folder.path(),
+             {.seed = 5},
+             {"ring", "dome"},
+             1,
+             prototypes +
+                 "[[objective]]\nmaximise = \"defects.min_cnr\"\n"
+                 "[[objective]]\nminimise = \"lighting.area_mm2\"\n");
+  const fs::path run = folder.path() / "run";
+  make_folder(run / "front/trial_003");
+  write_file(run / "front/trial_003/scene.toml", read_file(run / "ring/scene.toml"));
+  fs::create_directories(folder.path() / "pictures/front");
+  fs::copy(folder.path() / "pictures/ring",
+           folder.path() / "pictures/front/trial_003",
+           fs::copy_options::recursive);
+  const Json result = validate_run({.run = run,
+                                    .pictures = folder.path() / "pictures",
+                                    .out = folder.path() / "out",
+                                    .designs = "front/trial_003,dome",
+                                    .is_refitting = true,
+                                    .threads = 2,
+                                    .progress = Progress::Style::kNone});
+  ASSERT_EQ(result["rankings"].size(), 2U) << result["rankings"];
+  EXPECT_EQ(result["rankings"][0]["ranking"]["simulated"].size(), 2U);
+  EXPECT_TRUE(result["rankings"][1]["ranking"].is_null());
+  EXPECT_THAT(result["notes"].dump(),
+              HasSubstr("not ranked by lighting.area_mm2: none of 2 designs have this score"));
+  EXPECT_THAT(result["notes"].dump(),
+              HasSubstr("Whether the refit changes the winner is not told"));
+  EXPECT_THAT(result["verdict"].get<std::string>(), HasSubstr("by defects.min_cnr"));
+  EXPECT_TRUE(fs::exists(folder.path() / "out/front/trial_003/view_01/overlay.png"));
 }
 
 TEST(Validate, RefusesWhatCannotBeValidated) {

@@ -218,11 +218,22 @@ TEST(Verdict, ALensIsNeverSetRightByARefit) {
 
 TEST(Verdict, DoesNotAgreeWhereTheRankingIsReversed) {
   ValidationFindings findings = alike();
-  findings.ranking = Ranking{.simulated = {"a", "b"}, .real = {"b", "a"}, .agrees = false};
-  findings.ranking->pairs.push_back({.first = "a", .second = "b", .is_against = true});
+  Ranking same = {.simulated = {"a", "b"}, .real = {"a", "b"}};
+  same.pairs.push_back({.first = "a", .second = "b"});
+  Ranking reversed = {.simulated = {"a", "b"}, .real = {"b", "a"}, .agrees = false};
+  reversed.pairs.push_back({.first = "a", .second = "b", .is_against = true});
+  findings.rankings = {{.objective = "contrast", .ranking = same},
+                       {.objective = "evenness", .ranking = reversed}};
   const ValidateVerdict verdict = judge(findings);
   EXPECT_EQ(verdict.agreement, SidesAgreement::kDisagrees);
-  EXPECT_THAT(verdict.sentence, HasSubstr("b, a instead of a, b"));
+  EXPECT_THAT(verdict.sentence, HasSubstr("by contrast holds in reality"));
+  EXPECT_THAT(verdict.sentence, HasSubstr("by evenness is another: b, a instead of a, b"));
+}
+
+TEST(Verdict, NamesDesignsWhoseGreyValuesCouldNotBeCompared) {
+  ValidationFindings findings = alike();
+  findings.grey.push_back({.design = "tunnel", .fit = {}});
+  EXPECT_THAT(judge(findings).sentence, HasSubstr("Grey values of tunnel could not be compared"));
 }
 
 }  // namespace

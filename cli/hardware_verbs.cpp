@@ -168,62 +168,6 @@ void add_validate_verb(CLI::App& app, CommandLine& line) {
   add_out(*validate, arguments.acquire.out, "folder for the results (default out/<name>/validate)");
 }
 
-void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& arguments) {
-  calibrate
-      .add_option("--cell",
-                  arguments.acquire.cell,
-                  "drive the robot of this cell and photograph --board instead")
-      ->type_name("FILE")
-      ->check(not_empty());
-  add_driving_options(calibrate, arguments.acquire, "with --cell: ");
-  add_mounted_option(calibrate, arguments.acquire, "with --part: ");
-  calibrate
-      .add_option("--target_px",
-                  arguments.target_px,
-                  "with --cell: good enough is a computed point known to this")
-      ->type_name("PX")
-      ->capture_default_str()
-      ->check(positive());
-  calibrate
-      .add_option("--target_mm",
-                  arguments.target_mm,
-                  "with --cell: and the camera's place on the flange to this (stated sigma)")
-      ->type_name("MM")
-      ->check(positive());
-  calibrate
-      .add_option("--target_deg",
-                  arguments.target_deg,
-                  "with --cell: and its turn there to this (stated sigma)")
-      ->type_name("DEG")
-      ->check(positive());
-  calibrate
-      .add_option(
-          "--max_rounds", arguments.max_rounds, "with --cell: no more rounds of pictures than this")
-      ->type_name("N")
-      ->capture_default_str()
-      ->check(between(1, 20));
-  calibrate
-      .add_option("--part",
-                  arguments.part,
-                  "with --cell: scene of the part whose place is found by its edges, after --board "
-                  "or by the calibration in the folder --camera")
-      ->type_name("FILE")
-      ->check(not_empty());
-  calibrate
-      .add_option("--placements",
-                  arguments.placements,
-                  "with --part: so many times it is lifted and put back, for their spread")
-      ->type_name("N")
-      ->capture_default_str()
-      ->check(between(1, 100));
-  calibrate
-      .add_option("--placed",
-                  arguments.placed,
-                  "with --part: you have put it down for the Nth time; else you are asked")
-      ->type_name("N")
-      ->check(between(1, 100));
-}
-
 /// Beside the command the names of the options that were given.
 void remember_options(CLI::App& calibrate, CommandLine& line) {
   calibrate.callback([&line, &calibrate] {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cli/acquire/acquire.h"
+#include "cli/acquire/cell_calibration.h"
 
 namespace CLI {
 class App;
@@ -18,5 +19,8 @@ void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std:
 /// --mounted of a verb that takes pictures of a run's designs. With `when` it needs the verb's
 /// --cell, which is there already.
 void add_mounted_option(CLI::App& verb, AcquireArguments& arguments, const std::string& when);
+
+/// Those of `glint calibrate --cell`, with driving and prototypes.
+void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& arguments);
 
 }  // namespace glint

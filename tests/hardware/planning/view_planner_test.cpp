@@ -71,6 +71,7 @@ TEST(PlanViews, MakesPathsThatTheRobotWillNotRefuse) {
   const PlanningCell cell = planned_cell();
   const ViewPlan plan = plan_views(cell, random_views(20), {.has_nearest = false});
   const ClearanceCheck check(cell);
+  constexpr int kSamples = 200;
   for (const PlannedPath& path : plan.paths) {
     ASSERT_GE(path.joints_rad.size(), 2U);
     double duration_s = 0.0;
@@ -80,6 +81,11 @@ TEST(PlanViews, MakesPathsThatTheRobotWillNotRefuse) {
       EXPECT_TRUE(motion.is_allowed()) << motion.text;
       duration_s += motion.duration_s;
       EXPECT_TRUE(check.along(path.joints_rad[i - 1], path.joints_rad[i]).is_free());
+      for (int k = 0; k <= kSamples; ++k) {
+        const double share = static_cast<double>(k) / kSamples;
+        EXPECT_TRUE(check.at((1.0 - share) * path.joints_rad[i - 1] + share * path.joints_rad[i])
+                        .is_free());
+      }
     }
     EXPECT_NEAR(path.duration_s, duration_s, 1e-9 + 0.02 * duration_s);
     EXPECT_GE(path.margin_mm, plan.reach_margin_mm);

@@ -37,6 +37,9 @@ std::vector<std::string> lights_of(const SceneSettings& scene) {
   for (const LitLight& light : lights_with_bodies(scene)) {
     names.push_back(light.name);
   }
+  if (scene.has_tunnel && std::ranges::find(names, scene.tunnel_name) == names.end()) {
+    names.push_back(scene.tunnel_name);
+  }
   return names;
 }
 

@@ -48,7 +48,6 @@ namespace {
 using report_detail::best_design;
 using report_detail::Finding;
 using report_detail::is_ahead;
-using report_detail::Lead;
 using report_detail::lead_over;
 using report_detail::member;
 using report_detail::number_of;
@@ -76,15 +75,37 @@ Json json_of(const Verdict& verdict) {
           {"findings", findings}};
 }
 
-std::string comparisons(const Json& designs, const Wording& wording, double value) {
-  std::vector<std::string> parts;
+/// A design that another is compared with, and what it is called.
+struct Rival {
+  const Json* design = nullptr;  ///< has a value of the score
+  std::string name;              ///< "the best prototype"
+  std::string full_name;         ///< "the best prototype, dome"
+
+  bool is_feasible() const { return member(*design, "feasible") != Json(false); }
+};
+
+/// The baseline and the best prototype, as far as there are any.
+std::vector<Rival> rivals_in(const Json& designs, const Wording& wording) {
+  std::vector<Rival> rivals;
   if (const Json* baseline = best_design(designs, wording, "baseline")) {
-    parts.push_back(wording.against(value, *wording.value(*baseline)) + " the baseline");
+    rivals.push_back({baseline, "the baseline", "the baseline"});
   }
   if (const Json* prototype = best_design(designs, wording, "prototype")) {
-    parts.push_back(fmt::format("{} the best prototype, {}",
-                                wording.against(value, *wording.value(*prototype)),
-                                title_of(*prototype)));
+    rivals.push_back(
+        {prototype, "the best prototype", "the best prototype, " + title_of(*prototype)});
+  }
+  return rivals;
+}
+
+/// ": 2.00 better than the baseline and 1.00 worse than the best prototype, dome (which misses a
+/// limit)"
+std::string comparisons(const std::vector<Rival>& rivals, const Wording& wording, double value) {
+  std::vector<std::string> parts;
+  for (const Rival& rival : rivals) {
+    parts.push_back(fmt::format("{} {}{}",
+                                wording.against(value, *wording.value(*rival.design)),
+                                rival.full_name,
+                                rival.is_feasible() ? "" : " (which misses a limit)"));
   }
   return parts.empty() ? std::string() : ": " + join(parts, " and ");
 }
@@ -142,17 +163,40 @@ std::vector<Finding> limit_rates(const Json& data) {
   return rates;
 }
 
-void say_lead(const Lead& lead, const Wording& wording, Verdict& verdict) {
-  const std::string noise = wording.noise_text(lead.noise);
-  if (lead.is_sure()) {
+void say_lead(const Rival& rival, const Json& design, const Wording& wording, Verdict& verdict) {
+  const auto lead = lead_over(rival.design, design, wording);
+  if (!lead) {
+    return;
+  }
+  const std::string noise = wording.noise_text(lead->noise);
+  if (lead->is_sure()) {
     verdict.say("lead_sure",
-                fmt::format("The lead over the baseline is larger than the noise ({}).", noise));
-  } else if (lead.lead > 0.0 || (lead.lead == 0.0 && lead.noise > 0.0)) {
+                fmt::format("The lead over {} is larger than the noise ({}).", rival.name, noise));
+  } else if (lead->noise > 0.0 && -lead->lead <= lead->noise) {
     verdict.say("lead_open",
-                fmt::format("The lead over the baseline is not larger than the noise ({}): it may "
-                            "be chance; more parts or scans would show.",
+                fmt::format("The lead {} {} is not larger than the noise ({}): it may be chance; "
+                            "more parts or scans would show.",
+                            lead->lead < 0.0 ? "of" : "over",
+                            rival.name,
                             noise));
   }
+}
+
+/// A prototype that meets the limits and is ahead of what was searched for is the better design.
+bool say_better_prototype(const std::vector<Rival>& rivals,
+                          const Json& winner,
+                          const Wording& wording,
+                          Verdict& verdict) {
+  const auto better = std::ranges::find_if(rivals, [&](const Rival& rival) {
+    return report_detail::role_of(*rival.design) == "prototype" && rival.is_feasible() &&
+           is_ahead(winner, *rival.design, wording);
+  });
+  if (better == rivals.end()) {
+    return false;
+  }
+  verdict.say("prototype_better",
+              fmt::format("The search has found nothing as good as {}.", better->full_name));
+  return true;
 }
 
 /// A search that found no design to recommend.
@@ -176,11 +220,12 @@ Verdict verdict_without_winner(const Json& data, const Wording& wording) {
 Verdict verdict_of_closest(const Json& data, const Json& closest, const Wording& wording) {
   Verdict verdict{.tone = "bad"};
   const double value = *wording.value(closest);
-  verdict.say("no_feasible",
-              fmt::format("No design meets every constraint. The closest one reaches {} {}{}.",
-                          wording.label(),
-                          wording.text(value),
-                          comparisons(member(data, "designs"), wording, value)));
+  verdict.say(
+      "no_feasible",
+      fmt::format("No design meets every constraint. The closest one reaches {} {}{}.",
+                  wording.label(),
+                  wording.text(value),
+                  comparisons(rivals_in(member(data, "designs"), wording), wording, value)));
   say_limits(data, closest, verdict);
   verdict.add(report_detail::findings_on(data, closest));
   verdict.add(search_details(data, &closest, wording));
@@ -188,31 +233,46 @@ Verdict verdict_of_closest(const Json& data, const Json& closest, const Wording&
   return verdict;
 }
 
+const Json* baseline_of(const std::vector<Rival>& rivals) {
+  const auto found = std::ranges::find_if(rivals, [](const Rival& rival) {
+    return report_detail::role_of(*rival.design) == "baseline";
+  });
+  return found == rivals.end() ? nullptr : found->design;
+}
+
+/// Of the first sentence: the outcome against the baseline.
+const char* code_of_search(const std::vector<Rival>& rivals, const Wording& wording, double value) {
+  const Json* baseline = baseline_of(rivals);
+  if (baseline == nullptr) {
+    return "winner_alone";
+  }
+  const double there = *wording.value(*baseline);
+  return wording.is_level(value, there)    ? "winner_level"
+         : wording.is_better(value, there) ? "winner_better"
+                                           : "winner_worse";
+}
+
 Verdict verdict_of_search(const Json& data, const Json& winner, const Wording& wording) {
   if (member(winner, "feasible") == Json(false)) {
     return verdict_of_closest(data, winner, wording);
   }
   Verdict verdict;
-  const Json& designs = member(data, "designs");
   const double value = *wording.value(winner);
-  const Json* baseline = best_design(designs, wording, "baseline");
-  const double there = baseline == nullptr ? value : *wording.value(*baseline);
-  verdict.say(baseline == nullptr               ? "winner_alone"
-              : wording.is_level(value, there)  ? "winner_level"
-              : wording.is_better(value, there) ? "winner_better"
-                                                : "winner_worse",
+  const std::vector<Rival> rivals = rivals_in(member(data, "designs"), wording);
+  verdict.say(code_of_search(rivals, wording, value),
               fmt::format("The winner reaches {} {}{}.",
                           wording.label(),
                           wording.text(value),
-                          comparisons(designs, wording, value)));
-  const auto lead = lead_over(baseline, winner, wording);
-  if (lead) {
-    say_lead(*lead, wording, verdict);
+                          comparisons(rivals, wording, value)));
+  for (const Rival& rival : rivals) {
+    say_lead(rival, winner, wording, verdict);
   }
+  const bool is_beaten = say_better_prototype(rivals, winner, wording, verdict);
   say_limits(data, winner, verdict);
   verdict.add(report_detail::findings_on(data, winner));
   verdict.add(search_details(data, &winner, wording));
-  verdict.judge(baseline == nullptr || is_ahead(*baseline, winner, wording));
+  const Json* baseline = baseline_of(rivals);
+  verdict.judge(!is_beaten && (baseline == nullptr || is_ahead(*baseline, winner, wording)));
   return verdict;
 }
 
@@ -224,27 +284,50 @@ std::string value_beside(const Json* baseline, const Json& design, const Wording
          (there ? fmt::format(" (baseline {})", wording.text(*there)) : std::string());
 }
 
-/// What a compromise reaches in each objective, and whether it gains on the baseline.
-struct Reached {
-  std::vector<std::string> texts = {};
-  bool is_ahead = false;   ///< in some objective by more than noise
-  bool is_behind = false;  ///< in some
-};
-
-Reached reached_by(const Json& data, const Json& winner, const Json* baseline) {
-  Reached reached;
+std::vector<Wording> objectives_of(const Json& data) {
+  std::vector<Wording> objectives;
   for (const Json& objective : member(member(data, "front"), "objectives")) {
-    const Wording wording(
+    objectives.emplace_back(
         data, text_of(objective, "score"), text_of(objective, "direction") == "maximise");
-    reached.texts.push_back(wording.label() + " " + value_beside(baseline, winner, wording));
-    const auto value = wording.value(winner);
-    const auto there = baseline == nullptr ? std::nullopt : wording.value(*baseline);
-    if (value && there) {
-      reached.is_ahead = reached.is_ahead || is_ahead(*baseline, winner, wording);
-      reached.is_behind = reached.is_behind || wording.is_better(*there, *value);
+  }
+  return objectives;
+}
+
+/// What a compromise reaches in each objective.
+std::vector<std::string> reached_by(const Json& data, const Json& winner, const Json* baseline) {
+  std::vector<std::string> texts;
+  for (const Wording& wording : objectives_of(data)) {
+    texts.push_back(wording.label() + " " + value_beside(baseline, winner, wording));
+  }
+  return texts;
+}
+
+/// Whether a design is better than another in some objective by more than noise, and in none worse.
+bool gains_on(const Json& data, const Json& other, const Json& design) {
+  bool is_gain = false;
+  for (const Wording& wording : objectives_of(data)) {
+    const auto value = wording.value(design);
+    const auto there = wording.value(other);
+    if (value && there && wording.is_better(*there, *value)) {
+      return false;
+    }
+    is_gain = is_gain || (value && there && is_ahead(other, design, wording));
+  }
+  return is_gain;
+}
+
+/// A prototype that meets the limits and gains on the compromise is the better design.
+bool say_prototype_that_gains(const Json& data, const Json& winner, Verdict& verdict) {
+  for (const Json& design : member(data, "designs")) {
+    if (report_detail::role_of(design) == "prototype" &&
+        member(design, "feasible") != Json(false) && gains_on(data, winner, design)) {
+      verdict.say("prototype_better",
+                  fmt::format("The prototype {} is better in some objective and worse in none.",
+                              title_of(design)));
+      return true;
     }
   }
-  return reached;
+  return false;
 }
 
 /// The compromise of several objectives: where it is in each, and why it was taken.
@@ -257,17 +340,17 @@ Verdict verdict_of_compromise(const Json& data, const Json& winner, const Wordin
   const auto own = std::ranges::find_if(
       designs, [](const Json& design) { return report_detail::role_of(design) == "baseline"; });
   const Json* baseline = own == designs.end() ? nullptr : &*own;
-  const Reached reached = reached_by(data, winner, baseline);
   Verdict verdict;
   verdict.say("compromise",
               fmt::format("The compromise reaches {}: {}.",
-                          join(reached.texts, ", "),
+                          join(reached_by(data, winner, baseline), ", "),
                           text_of(member(front, "chosen"), "reason")));
+  const bool is_beaten = say_prototype_that_gains(data, winner, verdict);
   say_limits(data, winner, verdict);
   verdict.add(report_detail::findings_on_front(data));
   verdict.add(report_detail::findings_on(data, winner));
   verdict.add(search_details(data, &winner, first));
-  verdict.judge(baseline == nullptr || (reached.is_ahead && !reached.is_behind));
+  verdict.judge(!is_beaten && (baseline == nullptr || gains_on(data, *baseline, winner)));
   return verdict;
 }
 

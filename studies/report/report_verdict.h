@@ -15,7 +15,9 @@ namespace glint {
 ///
 ///   winner_better, winner_level, winner_worse   a search's outcome against the baseline
 ///   winner_alone        the same without a baseline
-///   lead_sure, lead_open                        whether that lead is larger than the noise
+///   lead_sure, lead_open                        whether its lead over the baseline and over the
+///                       best prototype is larger than the noise
+///   prototype_better    a prototype that meets the limits is ahead of the outcome
 ///   compromise          several objectives: what the chosen design reaches, and why it was chosen
 ///   limits_met          of the design the verdict is about
 ///   limit_failed        one for each limit that a design misses

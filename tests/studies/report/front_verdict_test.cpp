@@ -64,6 +64,22 @@ TEST(FrontVerdict, SaysWhatTheCompromiseReachesAndWhyItWasChosen) {
   EXPECT_EQ(finding(data, "compromise"), "") << "the closest design is no compromise";
 }
 
+TEST(FrontVerdict, IsNotGoodWhenAPrototypeIsBetterInOneObjectiveAndWorseInNone) {
+  const auto tone = [](const Json& data) { return complete_report(data)["verdict"]["tone"]; };
+  Json data = trade();
+  data["designs"].push_back({{"key", "dome"},
+                             {"title", "Dome"},
+                             {"scores", scores(0.9, 201)},
+                             {"rescored", scores(0.9, 201)}});
+  EXPECT_EQ(tone(data), "good") << "the dome is wider";
+  data["designs"][1]["rescored"] = scores(0.9, 200);
+  EXPECT_EQ(tone(data), "neutral");
+  EXPECT_EQ(finding(data, "prototype_better"),
+            "The prototype Dome is better in some objective and worse in none.");
+  data["designs"][1]["feasible"] = false;
+  EXPECT_EQ(tone(data), "good");
+}
+
 TEST(FrontVerdict, TellsWhatTheFrontSpans) {
   EXPECT_EQ(finding(trade(), "front_range"),
             "The front has 3 designs, h (rms) from 70.0 % to 90.0 %, width (mm) from 100 to 300.");

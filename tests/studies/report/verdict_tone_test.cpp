@@ -29,6 +29,51 @@ TEST(Verdict, IsNotGoodWhenTheWinnerHidesTheDefect) {
             "3.10 against 5.00).");
 }
 
+/// A search with a prototype beside: CNR 5 before, 20 found.
+Json search_beside(double cnr_of_prototype) {
+  Json data = sound_search();
+  data["designs"].push_back(design_with("dome", cnr_of_prototype));
+  return data;
+}
+
+TEST(Verdict, IsNotGoodWhenAPrototypeThatMeetsTheLimitsIsAhead) {
+  EXPECT_EQ(complete_report(search_beside(19.0))["verdict"]["tone"], "good");
+  EXPECT_EQ(codes_of(search_beside(19.0)).count("prototype_better"), 0U);
+  Json data = search_beside(30.0);
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
+  EXPECT_EQ(text_of_code(data, "prototype_better"),
+            "The search has found nothing as good as the best prototype, dome.");
+  data["designs"][2]["feasible"] = false;
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "good");
+  EXPECT_EQ(text_of_code(data, "winner_better"),
+            "The winner reaches smallest CNR 20.0: 15.0 better than the baseline and 10.0 worse "
+            "than the best prototype, dome (which misses a limit).");
+}
+
+TEST(Verdict, SaysOfABaselineThatItMissesALimit) {
+  Json data = sound_search();
+  data["designs"][0]["feasible"] = false;
+  EXPECT_THAT(text_of_code(data, "winner_better"),
+              HasSubstr("15.0 better than the baseline (which misses a limit)."));
+}
+
+// Differences of the scans to the dome's: -1, 1, 1, -1, whose deviation is 1.155: the noise of a
+// single one is 3.182 x 1.155 = 3.67.
+TEST(Verdict, TellsTheNoiseOfALeadOverThePrototype) {
+  Json data = search_beside(19.5);
+  repeat(data["designs"][1], {20.0, 21.0, 21.0, 20.0});
+  repeat(data["designs"][2], {21.0, 20.0, 20.0, 21.0});
+  EXPECT_EQ(text_of_code(data, "lead_open"),
+            "The lead over the best prototype is not larger than the noise (3.67): it may "
+            "be chance; more parts or scans would show.");
+  set_cnr(data["designs"][2], 20.5);
+  EXPECT_THAT(text_of_code(data, "lead_open"), HasSubstr("The lead of the best prototype is"));
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "good") << "chance may have put it ahead";
+  set_cnr(data["designs"][2], 10.0);
+  EXPECT_EQ(text_of_code(data, "lead_sure"),
+            "The lead over the best prototype is larger than the noise (3.67).");
+}
+
 /// The prototypes, ranked by evenness, in which the dome leads.
 Json even_prototypes() {
   Json data = prototypes();

@@ -11,6 +11,7 @@
 #include "studies/frontier/frontier_page.h"
 #include "studies/frontier/inspector_page.h"
 #include "studies/frontier/search_page.h"
+#include "studies/output/result_folder.h"
 #include "studies/stability/stability_page.h"
 
 namespace glint {
@@ -204,7 +205,12 @@ int winner_command(const StabilityArguments& arguments, const CommonArguments& c
   if (has_more) {
     throw ConfigError("--run: stands alone, without STUDY.toml, --set, --sweep and --list");
   }
-  const Json result = stability::winner_study(arguments.run, stability_run(arguments, common));
+  stability::StabilityRun run = stability_run(arguments, common);
+  const std::string study = study_of_folder(arguments.run);
+  if (arguments.study.out.empty() && !study.empty()) {
+    run.out = default_result_folder(study, ResultKind::kStability);
+  }
+  const Json result = stability::winner_study(arguments.run, run);
   print_result(common, result, sweeps_text(result));
   return result["totals"]["silently_wrong"].get<int>() == 0 ? kExitDone : kExitNegative;
 }

@@ -37,6 +37,7 @@ class CoverRun {
 
   Json execute() {
     check_result_folder(options_.out, ResultKind::kCover, kFiles);
+    check_study_of_folder(options_.out, study_.name);
     check_inputs_kept(input_files(study_), options_.out, kFiles);
     const std::optional<PodReference> pod = reference();
     const SceneCoverage covered = cover();

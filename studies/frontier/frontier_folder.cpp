@@ -8,6 +8,7 @@
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
+#include "studies/output/run_folder.h"
 #include "studies/report/report.h"
 
 namespace glint {
@@ -27,6 +28,11 @@ void check_frontier_folder(const Study& study, const fs::path& out) {
   if (result_kind_of(out) != ResultKind::kRun) {
     check_result_folder(out, ResultKind::kFrontier, names);
   }
+  // A scene of the run's own folder has the name of its file there.
+  const fs::path run = run_above(without_links(study.root.place.file));
+  if (run.empty() || run != without_links(out)) {
+    check_study_of_folder(out, study.name);
+  }
 }
 
 void write_frontier_folder(const Study& study,
@@ -35,7 +41,7 @@ void write_frontier_folder(const Study& study,
                            const nlohmann::ordered_json& origin) {
   OutputFolder folder(out);
   remove_unfinished_files(out);
-  mark_result_folder(out, ResultKind::kFrontier);
+  mark_result_folder(out, ResultKind::kFrontier, study.name);
   for (const auto& [name, content] : files) {
     write_file(out / name, content);
   }

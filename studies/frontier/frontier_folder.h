@@ -19,7 +19,8 @@ namespace glint {
 /// Of the progress bar of a chart, whose work is a share from 0 to 1.
 inline constexpr int kProgressSteps = 1000;
 
-/// @throws ConfigError when the folder holds something else, or what the study is made of
+/// @throws ConfigError when the folder holds something else, results of another study, or what the
+///         study is made of
 void check_frontier_folder(const Study& study, const std::filesystem::path& out);
 
 /// Writes a chart's files, and run.json where the folder is no run's.

@@ -152,7 +152,7 @@ Json searches_study(const Study& study,
   check_frontier_folder(study, run.out);
   OutputFolder folder(run.out);
   OutputFolder databases(run.out / "searches");
-  mark_result_folder(run.out, ResultKind::kFrontier);
+  mark_result_folder(run.out, ResultKind::kFrontier, study.name);
   const auto keep = [&] {
     folder.keep();
     databases.keep();

@@ -109,6 +109,7 @@ Json preview_tools(const Study& study, const ImprintOptions& options) {
   }
   const std::vector<std::string> names = {"tools", "tools.json", "tools.png", "run.json"};
   check_result_folder(options.out, ResultKind::kTools, names);
+  check_study_of_folder(options.out, study.name);
   check_inputs_kept(input_files(study), options.out, names);
   OutputFolder folder(options.out);
   remove_stale_stages(options.out);
@@ -117,7 +118,7 @@ Json preview_tools(const Study& study, const ImprintOptions& options) {
   {
     StagedFolder stage(options.out, "");
     write_tools(tools, stage.path(), result, pool);
-    mark_result_folder(stage.path(), ResultKind::kTools);
+    mark_result_folder(stage.path(), ResultKind::kTools, study.name);
     stage.commit();
   }
   folder.keep();

@@ -97,11 +97,13 @@ std::optional<ResultKind> kind_by_files(const fs::path& folder) {
   return has("tools.json") && has("tools.png") ? std::optional(ResultKind::kTools) : std::nullopt;
 }
 
-/// ", study gear" where run.json names one.
-std::string study_of(const Json& run) {
-  const auto study = run.is_object() ? run.find("study") : run.end();
-  return study != run.end() && study->is_string() ? fmt::format(" of {}", study->get<std::string>())
-                                                  : std::string();
+/// Refuses a folder that holds results of some verb and some study.
+[[noreturn]] void throw_taken(const fs::path& folder, ResultKind kind) {
+  const std::string study = study_of_folder(folder);
+  throw ConfigError(fmt::format("{}: holds results of `glint {}`{}; choose another output folder",
+                                folder.string(),
+                                command_of(kind),
+                                study.empty() ? "" : " of " + study));
 }
 
 }  // namespace
@@ -123,11 +125,7 @@ void check_result_folder(const fs::path& folder,
                          std::span<const std::string> names) {
   if (const auto found = result_kind_of(folder)) {
     if (*found != kind) {
-      throw ConfigError(
-          fmt::format("{}: holds results of `glint {}`{}; choose another output folder",
-                      folder.string(),
-                      command_of(*found),
-                      study_of(run_json_in(folder))));
+      throw_taken(folder, *found);
     }
     return;
   }
@@ -139,6 +137,20 @@ void check_result_folder(const fs::path& folder,
                       name,
                       command_of(kind)));
     }
+  }
+}
+
+std::string study_of_folder(const fs::path& folder) {
+  const Json run = run_json_in(folder);
+  const auto study = run.is_object() ? run.find("study") : run.end();
+  return study != run.end() && study->is_string() ? study->get<std::string>() : std::string();
+}
+
+void check_study_of_folder(const fs::path& folder, const std::string& study) {
+  const std::string other = study_of_folder(folder);
+  const auto kind = result_kind_of(folder);
+  if (kind && !other.empty() && other != study) {
+    throw_taken(folder, *kind);
   }
 }
 
@@ -161,9 +173,12 @@ void check_inputs_kept(std::span<const fs::path> inputs,
   }
 }
 
-void mark_result_folder(const fs::path& folder, ResultKind kind) {
+void mark_result_folder(const fs::path& folder, ResultKind kind, const std::string& study) {
   if (!result_kind_of(folder)) {
-    const Json mark = {{"version", program_version()}, {"verb", std::string(command_of(kind))}};
+    Json mark = {{"version", program_version()}, {"verb", std::string(command_of(kind))}};
+    if (!study.empty()) {
+      mark["study"] = study;
+    }
     write_file_durably(folder / "run.json", mark.dump(2) + "\n");
   }
 }

@@ -54,6 +54,13 @@ void check_result_folder(const std::filesystem::path& folder,
                          ResultKind kind,
                          std::span<const std::string> names);
 
+/// The study that run.json tells; empty: it does not tell one.
+std::string study_of_folder(const std::filesystem::path& folder);
+
+/// Asks before anything is written.
+/// @throws ConfigError when run.json tells another study than this one
+void check_study_of_folder(const std::filesystem::path& folder, const std::string& study);
+
 /// @param inputs  files that are read; an empty path is none
 /// @param names   as above
 /// @throws ConfigError naming an input that is one of these files or lies in one of these folders
@@ -63,8 +70,11 @@ void check_inputs_kept(std::span<const std::filesystem::path> inputs,
 
 /// Writes a run.json that tells whose folder it is, where nothing tells it yet: for results whose
 /// files appear one by one. The run.json of the finished results replaces it.
+/// @param study  whose results they are; empty: of none
 /// @throws IoError
-void mark_result_folder(const std::filesystem::path& folder, ResultKind kind);
+void mark_result_folder(const std::filesystem::path& folder,
+                        ResultKind kind,
+                        const std::string& study = "");
 
 /// Where results go unless --out tells: out/<name>/<last word of the command>.
 std::filesystem::path default_result_folder(const std::string& name, ResultKind kind);

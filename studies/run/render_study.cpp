@@ -27,18 +27,6 @@ namespace {
 
 constexpr int kMaxViews = 999;
 
-/// "gear"; empty where the folder does not tell.
-std::string rendered_study(const fs::path& out) {
-  std::error_code ignored;
-  const fs::path file = out / "run.json";
-  if (!fs::is_regular_file(file, ignored)) {
-    return "";
-  }
-  const Json run = Json::parse(read_file(file), nullptr, false);
-  const bool is_told = run.is_object() && run.contains("study") && run["study"].is_string();
-  return is_told ? run["study"].get<std::string>() : "";
-}
-
 /// The folders that views are written to.
 std::vector<std::string> folders_of_views() {
   std::vector<std::string> names = {"baseline"};
@@ -62,11 +50,7 @@ void check_render_folder(const Study& study, const fs::path& out) {
   }
   check_result_folder(out, ResultKind::kRender, names);
   check_inputs_kept(input_files(study), out, names);
-  const std::string other = rendered_study(out);
-  if (!other.empty() && other != study.name) {
-    throw ConfigError(fmt::format(
-        "{}: holds the rendering of {}; choose another output folder", out.string(), other));
-  }
+  check_study_of_folder(out, study.name);
 }
 
 void remove_other_views(const fs::path& out, const std::vector<std::string>& kept) {
@@ -98,7 +82,7 @@ Json render_study(const Study& whole_study, const fs::path& out, int threads) {
   check_everything(store, study);
   OutputFolder folder(out);
   remove_unfinished_files(out);
-  mark_result_folder(out, ResultKind::kRender);
+  mark_result_folder(out, ResultKind::kRender, study.name);
   const Json json = write_design(store,
                                  study.scene,
                                  {{"title", study.title}, {"role", "baseline"}},

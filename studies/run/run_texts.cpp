@@ -164,7 +164,9 @@ std::vector<std::string> names_in_run(const Study& study) {
                                     "study.resolved.toml",
                                     "trials.csv",
                                     "sorting.csv",
-                                    "pod.csv"};
+                                    "sorting_sizes.json",
+                                    "pod.csv",
+                                    "pod_curves.json"};
   if (has_several_objectives(study.goal)) {
     names.emplace_back(kFrontFolder);
   }

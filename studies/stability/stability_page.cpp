@@ -32,6 +32,9 @@ void check_folder(const Study* study, const std::filesystem::path& out) {
     check_inputs_kept(input_files(*study), out, names);
   }
   check_result_folder(out, ResultKind::kStability, names);
+  if (study != nullptr) {
+    check_study_of_folder(out, study->name);
+  }
 }
 
 std::function<bool(int, const std::string&)> progress_of(Progress& bar,
@@ -149,7 +152,10 @@ Json stability_study(const Study* study,
 
 Json winner_study(const std::filesystem::path& folder, const StabilityRun& run) {
   const auto start = Clock::now();
-  const RunnersUp found = runners_up(folder);
+  RunnersUp found = runners_up(folder);
+  if (const std::string name = study_of_folder(folder); !name.empty()) {
+    found.study.name = name;  // the run's own study has that of its file in the folder
+  }
   check_folder(&found.study, run.out);
   { const OutputFolder probe(run.out); }  // as above
   Progress bar("stability of the winner", count_winner_cells(found), run.progress);

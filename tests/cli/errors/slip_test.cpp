@@ -105,10 +105,33 @@ TEST_F(Slip, VerbsRefuseTheFoldersOfOthers) {
   }
 }
 
+TEST_F(Slip, VerbsRefuseTheFoldersOfOtherStudies) {
+  write_file(folder_ / "other.toml", small_study());
+  write_file(folder_ / "axle.toml", kShaft);
+  const std::string of_gear = ": holds results of `glint run` of gear; choose another";
+  expect_done({"run", "gear.toml", "--out", "gear/run"});
+  expect_refused({"frontier", "other.toml", "--out", "gear/run"}, "gear/run" + of_gear);
+  expect_refused({"frontier", "other.toml", "--inspector", "--out", "gear/run"}, of_gear);
+  expect_refused({"frontier", "other.toml", "--search", "--out", "gear/run"}, of_gear);
+  expect_done({"frontier",
+               "gear/run/study.resolved.toml",
+               "--inspector",
+               "--budget",
+               "1s",
+               "--out",
+               "gear/run"});
+  expect_done({"imprint", "shaft.toml", "--preview_tools", "--out", "tools"});
+  expect_done({"imprint", "shaft.toml", "--preview_tools", "--out", "tools"});
+  expect_refused({"imprint", "axle.toml", "--preview_tools", "--out", "tools"},
+                 "tools: holds results of `glint imprint --preview_tools` of shaft");
+}
+
 TEST_F(Slip, VerbsLeaveForeignFilesAlone) {
   write_png(folder_ / "photo.png", ImageF(40, 30, 0.5F), PixelDepth::k8Bit);
   const std::vector<std::pair<Arguments, std::string>> verbs = {
       {{"run", "gear.toml"}, "report.html"},
+      {{"run", "gear.toml"}, "sorting_sizes.json"},
+      {{"run", "gear.toml"}, "pod_curves.json"},
       {{"render", "gear.toml"}, "report.html"},
       {{"imprint", "shaft.toml"}, "part.stl"},
       {{"imprint", "shaft.toml", "--count", "2"}, "parts.json"},

@@ -320,5 +320,12 @@ TEST_F(CoverStudy, LeavesTheFolderOfAnotherVerbAlone) {
               ThrowsMessage<ConfigError>(HasSubstr("holds results of `glint render`")));
 }
 
+TEST_F(CoverStudy, LeavesTheFolderOfAnotherStudyAlone) {
+  fs::create_directory(folder_ / "out");
+  write_file(folder_ / "out/run.json", R"({"verb": "cover", "study": "gear"})");
+  EXPECT_THAT([&] { cover(kPlate); },
+              ThrowsMessage<ConfigError>(HasSubstr("holds results of `glint cover` of gear")));
+}
+
 }  // namespace
 }  // namespace glint

@@ -74,6 +74,19 @@ TEST(ResultFolder, OfOlderVersionsIsKnownByItsFiles) {
   }
 }
 
+TEST(ResultFolder, OfAnotherStudyIsRefused) {
+  const TemporaryFolder folder;
+  EXPECT_NO_THROW(check_study_of_folder(folder.path(), "gear"));
+  mark_result_folder(folder.path(), ResultKind::kCover, "gear");
+  EXPECT_EQ(study_of_folder(folder.path()), "gear");
+  EXPECT_NO_THROW(check_study_of_folder(folder.path(), "gear"));
+  EXPECT_THAT(text_thrown_by<ConfigError>([&] { check_study_of_folder(folder.path(), "shaft"); }),
+              HasSubstr("holds results of `glint cover` of gear; choose another output folder"));
+  write_file(folder / "run.json", R"({"verb": "stability", "study": null})");
+  EXPECT_EQ(study_of_folder(folder.path()), "");
+  EXPECT_NO_THROW(check_study_of_folder(folder.path(), "shaft"));
+}
+
 TEST(ResultFolder, OfNobodyKnownKeepsItsFiles) {
   const TemporaryFolder folder;
   write_file(folder / "notes.txt", "mine");

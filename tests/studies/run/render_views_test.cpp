@@ -120,7 +120,7 @@ TEST(RenderViews, OfAnotherStudyAreRefused) {
     render_views(other, {.out = folder / "out", .progress = Progress::Style::kNone});
     FAIL() << "it was rendered";
   } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("holds the rendering of "));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("holds results of `glint render` of "));
   }
 }
 

@@ -7,10 +7,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/file.h"
 #include "optimizer/storage/storage.h"
+#include "studies/stability/stability_page.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint::stability {
@@ -130,6 +132,22 @@ TEST(MeasureWinner, AWinnerThatSomeBlurTurnsRoundIsFoundOut) {
   EXPECT_LT(blurs[2].errors.at(0).measured, 0.0);
   const Stability usual = measure_winner(found, {.threads = 2});
   EXPECT_EQ(usual.totals().wrong, 0) << "less than half a point is no matter";
+}
+
+// A run's own study lies in each run under the same name.
+TEST(WinnerStudy, OfAnotherStudyIsNotReplaced) {
+  const TemporaryFolder folder;
+  make_run(folder, "blur_px = 1", {trial_at(1, kDark, 0.5), trial_at(2, kBright, 0.9)}, 2);
+  write_file(folder / "run.json", R"({"verb": "run", "study": "gear"})");
+  const StabilityRun run = {.out = folder / "out", .progress = Progress::Style::kNone};
+  std::filesystem::create_directory(run.out);
+  write_file(run.out / "run.json", R"({"verb": "stability", "study": "shaft"})");
+  EXPECT_THAT([&] { winner_study(folder.path(), run); },
+              ::testing::ThrowsMessage<ConfigError>(
+                  HasSubstr("holds results of `glint stability` of shaft")));
+  write_file(run.out / "run.json", R"({"verb": "stability", "study": "gear"})");
+  EXPECT_EQ(winner_study(folder.path(), run)["totals"]["silently_wrong"], 0);
+  EXPECT_THAT(read_file(run.out / "run.json"), HasSubstr("\"study\": \"gear\""));
 }
 
 }  // namespace

@@ -2,22 +2,26 @@
 #include "studies/accuracy/accuracy_report.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
 #include "studies/definition/accuracy_table.h"
+#include "studies/report/report_wording.h"
+#include "studies/report/score_words.h"
 
 namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using report_detail::measured;
 
-/// Shares of homogeneity are read in points.
+/// Of a difference: shares are read in points.
 std::string value_text(const std::string& score, double value) {
-  return score.starts_with("homogeneity.h_") ? fmt::format("{:.2g} points", 100.0 * value)
-                                             : fmt::format("{:.3g}", value);
+  return (value < 0.0 ? "\u2212" : "") +
+         report_detail::Wording::of_score(score).size(std::abs(value));
 }
 
 Json tolerance_json(const AccuracySettings& wish) {
@@ -94,7 +98,7 @@ std::string order_text(const StepReport& step) {
   for (const OrderOf& order : step.orders) {
     const RankAgreement& agreement = order.agreement;
     parts.push_back(fmt::format("{}: Kendall's tau {:.2f} over {} pairs, {}",
-                                order.objective,
+                                report_detail::score_label(order.objective),
                                 agreement.tau,
                                 agreement.pairs,
                                 agreement.winner_behind == 0.0
@@ -108,7 +112,7 @@ std::string bounds_text(const StepReport& step) {
   std::vector<std::string> parts;
   for (const ScoreBound& bound : step.bounds) {
     parts.push_back(fmt::format("{} within {}, {} allowed",
-                                bound.score,
+                                report_detail::score_label(bound.score),
                                 value_text(bound.score, bound.bound),
                                 value_text(bound.score, bound.tolerance)));
   }
@@ -160,7 +164,8 @@ std::string work_text(const Json& work) {
 std::string offsets_text(const RenderRung& rung) {
   std::vector<std::string> parts;
   for (const auto& [score, offset] : rung.offsets) {
-    parts.push_back(fmt::format("{} by {}", score, value_text(score, -offset)));
+    parts.push_back(
+        fmt::format("{} by {}", report_detail::score_label(score), value_text(score, -offset)));
   }
   return fmt::format(
       "Scores of half resolution are corrected by their mean error over the designs that were "
@@ -178,7 +183,8 @@ Json rungs_table(const Json& accuracy) {
     }
     std::vector<std::string> bounds;
     for (const auto& [score, bound] : rung["bounds"].items()) {
-      bounds.push_back(fmt::format("{} {}", score, value_text(score, bound.get<double>())));
+      bounds.push_back(fmt::format(
+          "{} {}", report_detail::score_label(score), value_text(score, bound.get<double>())));
     }
     const auto skipped = rung["skipped"].get<std::string>();
     std::string result = !skipped.empty()              ? "left out: " + skipped
@@ -190,7 +196,7 @@ Json rungs_table(const Json& accuracy) {
       result = "compared with";
     }
     rows.push_back({rung["name"],
-                    fmt::format("{:.3g} %", 100.0 * rung["work"].get<double>() / top),
+                    measured(100.0 * rung["work"].get<double>() / top) + " %",
                     taus.empty() ? "-" : join(taus, ", "),
                     bounds.empty() ? "-" : join(bounds, "; "),
                     result});
@@ -233,7 +239,9 @@ std::string bounds_text(const Json& accuracy, const char* key) {
   std::vector<std::string> parts;
   for (const Json& score : accuracy["scores"]) {
     const auto name = score["score"].get<std::string>();
-    parts.push_back(fmt::format("{} within {}", name, value_text(name, score[key].get<double>())));
+    parts.push_back(fmt::format("{} within {}",
+                                report_detail::score_label(name),
+                                value_text(name, score[key].get<double>())));
   }
   return parts.empty() ? "none: too few designs could be evaluated" : join(parts, "; ");
 }
@@ -242,8 +250,8 @@ std::string bounds_text(const Json& accuracy, const char* key) {
 std::string cost_text(const Json& work, double amount) {
   const double search = work["search"].get<double>();
   const std::string share =
-      search > 0.0 ? fmt::format("; {:.3g} % of the search", 100.0 * amount / search) : "";
-  return fmt::format("{:.3g} {}{}", amount, work["unit"].get<std::string>(), share);
+      search > 0.0 ? fmt::format("; {} % of the search", measured(100.0 * amount / search)) : "";
+  return fmt::format("{} {}{}", measured(amount), work["unit"].get<std::string>(), share);
 }
 
 /// By the evaluations that there are; of one where their number is not known.

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/population/population_report.h"
 
-#include <algorithm>
 #include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "studies/output/read_json.h"
+#include "studies/population/population_text.h"
+#include "studies/report/report_wording.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -15,21 +16,12 @@ namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string share_text(const Json& estimate) {
-  return fmt::format("{:.1f} % ({:.1f} to {:.1f} %)",
-                     100.0 * estimate["value"].get<double>(),
-                     100.0 * estimate["low"].get<double>(),
-                     100.0 * estimate["high"].get<double>());
-}
-
-std::string rate_text(const Json& alarms) {
-  const Json& rate = alarms["per_part"];
-  return fmt::format("{:.3g} ({:.2g} to {:.3g})",
-                     rate["value"].get<double>(),
-                     rate["low"].get<double>(),
-                     rate["high"].get<double>());
-}
+using population_detail::a90_text;
+using population_detail::largest_size;
+using population_detail::rate_text;
+using population_detail::share_text;
+using population_detail::size_text;
+using report_detail::measured;
 
 /// A file of the run's folder; null in a folder of an earlier version, which has none.
 Json read_charts(const fs::path& file) {
@@ -147,33 +139,6 @@ Json sorting_panel(const fs::path& run, const Json& sorting) {
        {confusion_table(baseline), wrong_table(baseline), lightings_table(sorting["designs"])}}};
 }
 
-double largest_size(const Json& design) {
-  return design["levels"].back()["size"].get<double>();
-}
-
-/// "-" for no size, "> 30" for one beyond the largest that was tried: a curve says little there.
-std::string size_text(const Json& size, double largest) {
-  if (size.is_null()) {
-    return "-";
-  }
-  const auto value = size.get<double>();
-  return value > largest ? fmt::format("> {:.3g}", largest) : fmt::format("{:.3g}", value);
-}
-
-/// a90 with its interval, "-" for what has none.
-std::string a90_text(const Json& fit, double largest) {
-  if (fit.is_null()) {
-    return "-";
-  }
-  const Json& a90 = fit["a90"];
-  const std::string value = size_text(a90["value"], largest);
-  return value.starts_with('>') ? value
-                                : fmt::format("{} ({} to {})",
-                                              value,
-                                              size_text(a90["low"], largest),
-                                              size_text(a90["high"], largest));
-}
-
 Json pod_table(const Json& pod) {
   const std::string unit = pod["unit"];
   Json rows = Json::array();
@@ -215,7 +180,7 @@ Json levels_table(const Json& pod) {
     std::size_t i = 0;
     for (const Json& level : design["levels"]) {
       if (rows.size() <= i) {
-        rows.push_back({fmt::format("{:.3g}", level["size"].get<double>())});
+        rows.push_back({measured(level["size"].get<double>())});
       }
       rows[i++].push_back(fmt::format("{} of {}",
                                       level["hits"].get<int>(),
@@ -239,61 +204,6 @@ Json pod_panel(const fs::path& run, const Json& pod) {
           {"tables", {pod_table(pod), levels_table(pod)}}};
 }
 
-std::string sorting_sentence(const Json& sorting) {
-  const Json& baseline = sorting["designs"]["baseline"];
-  const Json& alarms = baseline["false_alarms"];
-  return fmt::format(
-      "{} of {} tested parts are in the expert's class, {}; a flawless part has at most {:.3g} "
-      "false alarms ({} on {} scans).",
-      baseline["right"].get<int>(),
-      baseline["tested"].get<int>(),
-      share_text(baseline["share_right"]),
-      alarms["per_part"]["high"].get<double>(),
-      alarms["blobs"].get<int>(),
-      alarms["scans"].get<int>());
-}
-
-std::string pod_line(const Json& design, const std::string& unit) {
-  const Json& fit = design["fit"];
-  if (fit.is_null()) {
-    return fmt::format("{}: no curve can be fitted", design["title"].get<std::string>());
-  }
-  return fmt::format("{}: a90 {} {}, a90/95 {} {}",
-                     design["title"].get<std::string>(),
-                     a90_text(fit, largest_size(design)),
-                     unit,
-                     size_text(fit["a90_95"], largest_size(design)),
-                     unit);
-}
-
-/// "The dome finds nine of ten defects from 0.109 um on, 13 times smaller than Two panels."
-std::string pod_sentence(const Json& pod) {
-  const auto a90 = [](const Json* design) {
-    return (*design)["fit"]["a90"]["value"].get<double>();
-  };
-  std::vector<const Json*> fitted;
-  for (const Json& design : pod["designs"]) {
-    const Json& fit = design["fit"];
-    if (!fit.is_null() && !fit["a90"]["value"].is_null()) {
-      fitted.push_back(&design);
-    }
-  }
-  if (fitted.empty()) {
-    return "No lighting gives a curve from which the size of a defect that is found can be told.";
-  }
-  const auto [best, worst] = std::ranges::minmax_element(fitted, {}, a90);
-  const auto title = [](const Json* design) { return (*design)["title"].get<std::string>(); };
-  const std::string from = fmt::format("{} finds nine of ten defects from {:.3g} {} on",
-                                       title(*best),
-                                       a90(*best),
-                                       pod["unit"].get<std::string>());
-  return *best == *worst ? from + "."
-                         : fmt::format("{}, {:.2g} times smaller than under {}.",
-                                       from,
-                                       a90(*worst) / a90(*best),
-                                       title(*worst));
-}
-
 }  // namespace
 
 Json population_panels(const fs::path& run, const Json& result) {
@@ -307,44 +217,14 @@ Json population_panels(const fs::path& run, const Json& result) {
   return panels;
 }
 
-Json population_verdict(const Json& result) {
-  if (result.contains("sorting")) {
-    const std::string sentence = sorting_sentence(result["sorting"]);
-    return {{"sentence", sentence},
-            {"tone", "neutral"},
-            {"details", Json::array()},
-            {"findings", {{{"code", "sorted"}, {"text", sentence}}}}};
-  }
-  if (!result.contains("pod")) {
-    return nullptr;
-  }
-  const Json& pod = result["pod"];
-  const std::string sentence = pod_sentence(pod);
-  Json details = Json::array();
-  Json findings = {{{"code", "detectable_size"}, {"text", sentence}}};
-  for (const Json& design : pod["designs"]) {
-    const std::string line = pod_line(design, pod["unit"]);
-    details.push_back(line);
-    findings.push_back({{"code", "detectable_size"}, {"text", line}});
-  }
-  return {
-      {"sentence", sentence}, {"tone", "neutral"}, {"details", details}, {"findings", findings}};
-}
-
 std::string population_summary(const Json& result) {
   std::string text;
   if (result.contains("sorting")) {
-    text += "  sorting: " + sorting_sentence(result["sorting"]) + "\n";
     for (const auto& [key, design] : result["sorting"]["designs"].items()) {
       text += fmt::format("  {:<24} {} in the expert's class, {} false alarms a part\n",
                           key,
                           share_text(design["share_right"]),
                           rate_text(design["false_alarms"]));
-    }
-  }
-  if (result.contains("pod")) {
-    for (const auto& [key, design] : result["pod"]["designs"].items()) {
-      text += "  pod: " + pod_line(design, result["pod"]["unit"]) + "\n";
     }
   }
   return text;

@@ -15,10 +15,7 @@ namespace glint {
 nlohmann::ordered_json population_panels(const std::filesystem::path& run,
                                          const nlohmann::ordered_json& result);
 
-/// The `verdict` of such a report; null without a population.
-nlohmann::ordered_json population_verdict(const nlohmann::ordered_json& result);
-
-/// A few lines for the end of a run; empty without a population.
+/// What each lighting sorts, a line each, for the end of a run; empty where nothing is sorted.
 std::string population_summary(const nlohmann::ordered_json& result);
 
 }  // namespace glint

@@ -14,6 +14,7 @@
 #include "metrics/scores.h"
 #include "metrics/statistics/estimate.h"
 #include "studies/report/report_verdict.h"
+#include "studies/report/score_words.h"
 
 namespace glint::report_detail {
 namespace {
@@ -143,6 +144,12 @@ Wording::Wording(const Json& data, std::string score, bool is_maximised)
   const Json& info = member(member(data, "score_info"), score_.c_str());
   label_ = text_of(info, "label").empty() ? score_ : text_of(info, "label");
   is_percent_ = text_of(info, "format") == "percent";
+}
+
+Wording Wording::of_score(const std::string& score) {
+  Json data;
+  data["score_info"][score] = score_words(score);
+  return Wording(data, score, true);
 }
 
 std::optional<double> Wording::value(const Json& design) const {

@@ -28,6 +28,9 @@ class Wording {
   /// Of any score.
   Wording(const nlohmann::ordered_json& data, std::string score, bool is_maximised);
 
+  /// Of a score that no report data describe; more is better.
+  static Wording of_score(const std::string& score);
+
   const std::string& score() const { return score_; }
 
   const std::string& label() const { return label_; }

@@ -21,6 +21,7 @@
 #include "studies/output/provenance.h"
 #include "studies/output/read_json.h"
 #include "studies/population/population_report.h"
+#include "studies/population/population_verdict.h"
 #include "studies/report/report.h"
 #include "studies/run/comparison/several_runs.h"
 #include "studies/run/run_closeups.h"
@@ -71,14 +72,9 @@ Json design_json(const fs::path& folder,
 }
 
 std::string_view kind_text(Variable::Kind kind) {
-  switch (kind) {
-    case Variable::Kind::kFloat:
-      return "float";
-    case Variable::Kind::kInteger:
-      return "integer";
-    default:
-      return "choice";
-  }
+  return kind == Variable::Kind::kFloat     ? "float"
+         : kind == Variable::Kind::kInteger ? "integer"
+                                            : "choice";
 }
 
 Json variables_json(const Study& study) {
@@ -250,7 +246,7 @@ void add_noise_to_page(const Json& result, Json& data) {
   if (told.is_null() && race.is_null()) {
     return;
   }
-  data["panels"].push_back(noise_panel(race, told));
+  data["panels"].push_back(noise_panel(data["objective"]["name"], race, told));
   if (!race.is_null()) {
     data["probability_best"] = result["probability_best"];
   }
@@ -288,7 +284,6 @@ Json single_run(const fs::path& run) {
   data["scene"] = scene_json(study, run, result);
   if (study.has_population()) {
     data["panels"] = population_panels(run, result);
-    data["verdict"] = population_verdict(result);
   }
   if (result.contains("accuracy")) {
     data["panels"].push_back(accuracy_panel(result["accuracy"]));
@@ -325,7 +320,10 @@ void check_has_one_objective(const Study& study, const fs::path& run) {
 
 nlohmann::ordered_json report_data(const std::vector<fs::path>& runs) {
   if (runs.size() == 1) {
-    return complete_report(single_run(runs.front()));
+    Json data = complete_report(single_run(runs.front()));
+    data["verdict"] =
+        with_population_verdict(data["verdict"], read_json(runs.front() / "result.json"));
+    return data;
   }
   std::vector<ReportedRun> several;
   for (const fs::path& run : runs) {

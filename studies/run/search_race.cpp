@@ -14,7 +14,7 @@
 #include "metrics/statistics/told_value.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/search/final_race.h"
-#include "studies/report/score_words.h"
+#include "studies/report/report_wording.h"
 #include "studies/run/repeated_scores.h"
 #include "studies/run/study_search.h"
 
@@ -22,6 +22,7 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using report_detail::Wording;
 
 /// As objective_noise().
 constexpr double kErrorsPerHalfWidth = 2.0;
@@ -160,10 +161,17 @@ Json race_json(const Study& study,
           {"entrants", std::move(rows)}};
 }
 
-std::string figure(const Json& row, const char* name) {
-  return row.contains(name) && row[name].is_number()
-             ? fmt::format("{:.4g}", row[name].get<double>())
-             : std::string("\u2013");
+std::string figure(const Json& row, const char* name, const Wording& wording) {
+  return row.contains(name) && row[name].is_number() ? wording.text(row[name].get<double>())
+                                                     : std::string("\u2013");
+}
+
+/// "80.1 % \u00b1 0.4 points"
+std::string expected_text(const Json& row, const Wording& wording) {
+  const bool has_deviation = row.contains("expected_sd") && row["expected_sd"].is_number();
+  return figure(row, "expected", wording) +
+         (has_deviation ? " \u00b1 " + wording.size(row["expected_sd"].get<double>())
+                        : std::string());
 }
 
 std::string share_text(const Json& row) {
@@ -172,18 +180,16 @@ std::string share_text(const Json& row) {
              : fmt::format("{:.0f} %", 100.0 * row["probability"].get<double>());
 }
 
-Json race_table(const Json& race) {
+Json race_table(const Json& race, const Wording& wording) {
   Json rows = Json::array();
   for (const Json& row : race["entrants"]) {
-    const std::string expected =
-        row.contains("expected") ? figure(row, "expected") + " \u00b1 " + figure(row, "expected_sd")
-                                 : std::string("\u2013");
-    const std::string interval = figure(row, "low") + " to " + figure(row, "high");
+    const std::string interval =
+        figure(row, "low", wording) + " to " + figure(row, "high", wording);
     rows.push_back({row["title"],
-                    figure(row, "searched"),
-                    expected,
+                    figure(row, "searched", wording),
+                    expected_text(row, wording),
                     std::to_string(row["replicates"].get<int>()),
-                    figure(row, "value"),
+                    figure(row, "value", wording),
                     interval,
                     row["keeps_limits"].get<bool>() ? "yes" : "no",
                     share_text(row)});
@@ -201,18 +207,17 @@ Json race_table(const Json& race) {
           {"rows", rows}};
 }
 
-std::string told_text(const Json& told) {
+std::string told_text(const Json& told, const Wording& wording) {
   std::string text = fmt::format(
       "The winner's {} is {} (95 %: {} to {}) over random numbers that "
       "nothing was chosen by; the search saw {}",
-      report_detail::score_label(told["score"].get<std::string>()),
-      figure(told, "value"),
-      figure(told, "low"),
-      figure(told, "high"),
-      figure(told, "seen"));
+      wording.label(),
+      figure(told, "value", wording),
+      figure(told, "low", wording),
+      figure(told, "high", wording),
+      figure(told, "seen", wording));
   if (told.contains("expected")) {
-    text += fmt::format(
-        ", its model expects {} \u00b1 {}", figure(told, "expected"), figure(told, "expected_sd"));
+    text += ", its model expects " + expected_text(told, wording);
   }
   return text + ".";
 }
@@ -297,12 +302,13 @@ Json told_winner(const Study& study, const SearchResult& search, const Json& win
   return told;
 }
 
-Json noise_panel(const Json& race, const Json& told) {
-  std::string lead = told.is_object() ? told_text(told) : std::string();
+Json noise_panel(const std::string& score, const Json& race, const Json& told) {
+  const Wording wording = Wording::of_score(score);
+  std::string lead = told.is_object() ? told_text(told, wording) : std::string();
   Json tables = Json::array();
   if (race.is_object()) {
     lead += race_text(race);
-    tables.push_back(race_table(race));
+    tables.push_back(race_table(race, wording));
   }
   return {{"id", "noise"}, {"title", "What noise leaves"}, {"lead", lead}, {"tables", tables}};
 }

@@ -47,8 +47,9 @@ nlohmann::ordered_json told_winner(const Study& study,
                                    const SearchResult& search,
                                    const nlohmann::ordered_json& winner);
 
-/// A section of the report. @param race, told  may be null
-nlohmann::ordered_json noise_panel(const nlohmann::ordered_json& race,
+/// A section of the report. @param score  the objective; @param race, told  may be null
+nlohmann::ordered_json noise_panel(const std::string& score,
+                                   const nlohmann::ordered_json& race,
                                    const nlohmann::ordered_json& told);
 
 }  // namespace glint

@@ -17,10 +17,14 @@
 #include "studies/definition/scene.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/imaging/illuminated_place.h"
+#include "studies/report/report_wording.h"
+#include "studies/report/score_words.h"
 #include "studies/starter/starter_text.h"
 
 namespace glint {
 namespace {
+
+using report_detail::measured;
 
 /// A defect's background reaches five radii; half a diameter is left for blur.
 constexpr double kBackgroundDiameters = 3.0;
@@ -288,7 +292,7 @@ class StarterMaker {
   }
 
   void tell_about_dent(double first_slope_rad) {
-    const std::string score(objective_of(request_.light));
+    const std::string score = report_detail::score_label(std::string(objective_of(request_.light)));
     const auto tell = [&](const std::string& text) {
       plan_.remarks.push_back(text);
       starter_.notes.push_back(text);
@@ -299,18 +303,18 @@ class StarterMaker {
     }
     if (!starter_.is_dent_visible) {
       tell(
-          fmt::format("No lighting that was tried shows it: {} is {:.2g} at most, visible from "
+          fmt::format("No lighting that was tried shows it: {} is {} at most, visible from "
                       "{:g} on. Take a deeper dent, another pose or another light.",
                       score,
-                      best_score_,
+                      measured(best_score_),
                       visible_score(request_.light)));
     } else if (starter_.start_score < visible_score(request_.light)) {
       tell(
-          fmt::format("The start does not show it ({} {:.2g}), other values of the variables do "
-                      "({:.3g}).",
+          fmt::format("The start does not show it ({} {}), other values of the variables do "
+                      "({}).",
                       score,
-                      starter_.start_score,
-                      best_score_));
+                      measured(starter_.start_score),
+                      measured(best_score_)));
     }
   }
 

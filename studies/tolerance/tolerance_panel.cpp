@@ -8,25 +8,27 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
+#include "studies/report/report_wording.h"
 
 namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using report_detail::Wording;
 
-std::string number_text(const Json& value) {
-  return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : "outside the limits";
+std::string number_text(const Json& value, const Wording& wording) {
+  return value.is_number() ? wording.text(value.get<double>()) : "outside the limits";
 }
 
 /// "12.3 (95 %: 11.9 to 12.6)"
-std::string interval_text(const Json& interval) {
+std::string interval_text(const Json& interval, const Wording& wording) {
   if (!interval["value"].is_number()) {
     return "none within the limits";
   }
   return fmt::format("{} (95 %: {} to {})",
-                     number_text(interval["value"]),
-                     number_text(interval["low"]),
-                     number_text(interval["high"]));
+                     number_text(interval["value"], wording),
+                     number_text(interval["low"], wording),
+                     number_text(interval["high"], wording));
 }
 
 /// Of built designs. @param whose  "" or " of ..."
@@ -68,32 +70,35 @@ std::string robust_text(const Json& robust) {
       " Of {} more design{} that a model of the search proposed, built with the same deviations, ",
       count,
       count == 1 ? "" : "s");
-  const std::string measure = robust["measure"];
+  const Wording wording = Wording::of_score(robust["measure"]);
   if (robust["is_winner"].get<bool>()) {
     return tried + fmt::format(
                        "none is better: the winner is the robust optimum, too. 19 of 20 built ones "
                        "reach {} {} within every limit.",
-                       measure,
-                       interval_text(robust["winner"]));
+                       wording.label(),
+                       interval_text(robust["winner"], wording));
   }
   return tried +
          fmt::format(
              "one is more robust: 19 of 20 built ones reach {} {} within every limit, of the "
              "winner {}. It is the better of the two with a probability of {:.1f} %.",
-             measure,
-             interval_text(robust["reached"]),
-             interval_text(robust["winner"]),
+             wording.label(),
+             interval_text(robust["reached"], wording),
+             interval_text(robust["winner"], wording),
              100.0 * robust["probability"].get<double>());
 }
 
 Json score_table(const std::string& caption, const std::string& design, const Json& scores) {
   Json rows = Json::array();
   for (const auto& [name, one] : scores.items()) {
-    Json row = {name};
-    for (const char* figure : {"nominal", "mean", "sd", "low", "high"}) {
-      row.push_back(number_text(one[figure]));
-    }
-    rows.push_back(row);
+    const Wording wording = Wording::of_score(name);
+    const auto text = [&](const char* figure) { return number_text(one[figure], wording); };
+    rows.push_back({wording.label(),
+                    text("nominal"),
+                    text("mean"),
+                    one["sd"].is_number() ? wording.size(one["sd"].get<double>()) : text("sd"),
+                    text("low"),
+                    text("high")});
   }
   return {{"caption", caption},
           {"head", {"score", design, "mean", "standard deviation", "5 %", "95 %"}},

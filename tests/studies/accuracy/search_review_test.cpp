@@ -375,7 +375,7 @@ TEST(AccuracyPanel, SaysAllInOnePlace) {
   EXPECT_EQ(facts.at("level"), "direct light");
   EXPECT_EQ(facts.at("rendered by"), "direct light, 16 samples");
   EXPECT_EQ(facts.at("settings"), "samples = 16, max_reflections = 1");
-  EXPECT_THAT(facts.at("errors of one more design"), HasSubstr("homogeneity.mean within 0."));
+  EXPECT_THAT(facts.at("errors of one more design"), HasSubstr("mean within 0."));
   EXPECT_NE(facts.at("of all designs, unchecked ones too"), facts.at("errors of one more design"));
   EXPECT_THAT(facts.at("checked"), HasSubstr("evaluated again by"));
   EXPECT_THAT(facts.at("checking took"), HasSubstr("% of the search"));

@@ -178,7 +178,10 @@ void add_stability_verb(CLI::App& app, CommandLine& line) {
   verb->get_option("STUDY.toml")
       ->required(false)
       ->description("its scene takes the place of the built-in one (default: none)");
-  add_out(*verb, arguments.study.out, "folder for page and numbers (default out/stability)");
+  add_out(*verb,
+          arguments.study.out,
+          "folder for page and numbers (default out/<study name>/stability, without one "
+          "out/stability)");
   verb->add_option("--run", arguments.run, "does the winner of this run lose when disturbed?")
       ->type_name("DIR");
   verb->add_option("--sweep", arguments.sweeps, "this sweep alone")
@@ -231,7 +234,7 @@ void add_inspect_verb(CLI::App& app, CommandLine& line) {
       app,
       "inspect",
       "find the defects in pictures of parts, and grade the parts",
-      "glint inspect out/tunnel_shape --out out/inspected\n"
+      "glint inspect out/tunnel_shape/run --out out/inspected\n"
       "  glint inspect part/frame_*.png --mask part.png --out out/part "
       "--set inspection.threshold_sigmas=8",
       line,
@@ -333,7 +336,7 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
       add_verb(app,
                "report",
                "write the report of one run, or compare several",
-               "glint report out/tunnel_shape out/fringe_design --out compare.html",
+               "glint report out/tunnel_shape/run out/fringe_design/run --out compare.html",
                line,
                [](const CommandLine& given) { return report_command(given.report, given.common); });
   report->add_option("DIR", line.report.runs, "run directories")->type_name("DIR")->required();

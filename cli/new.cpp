@@ -81,6 +81,16 @@ void check_files(const NewArguments& arguments) {
   }
 }
 
+/// With the study itself or the name of its file.
+nlohmann::ordered_json told_of(const Starter& starter, const char* key, const std::string& study) {
+  return {{"schema", 1},
+          {"status", "done"},
+          {key, study},
+          {"is_dent_visible", starter.is_dent_visible},
+          {"start_score", starter.start_score},
+          {"notes", starter.notes}};
+}
+
 int write_starter(const NewArguments& arguments, const CommonArguments& common) {
   check_files(arguments);
   const Starter starter =
@@ -93,10 +103,7 @@ int write_starter(const NewArguments& arguments, const CommonArguments& common) 
                     .light = light_of(arguments.light),
                     .threads = common.threads});
   if (arguments.out.empty()) {
-    print_result(
-        common,
-        {{"schema", 1}, {"status", "done"}, {"text", starter.text}, {"notes", starter.notes}},
-        starter.text);
+    print_result(common, told_of(starter, "text", starter.text), starter.text);
     return kExitDone;
   }
   const FolderOf folder(arguments.out);
@@ -107,12 +114,7 @@ int write_starter(const NewArguments& arguments, const CommonArguments& common) 
     text += "  note: " + note + "\n";
   }
   print_result(common,
-               {{"schema", 1},
-                {"status", "done"},
-                {"study", arguments.out.string()},
-                {"is_dent_visible", starter.is_dent_visible},
-                {"start_score", starter.start_score},
-                {"notes", starter.notes}},
+               told_of(starter, "study", arguments.out.string()),
                text + fmt::format("next: glint check {}\n", shell_word(arguments.out.string())));
   return kExitDone;
 }

@@ -133,8 +133,7 @@ std::string summary(const Json& result) {
   if (result.contains("accuracy")) {
     text += accuracy_text(result["accuracy"]);
   }
-  const std::string populations = population_summary(result);
-  text += populations.empty() ? verdict_lines(result) : populations;
+  text += verdict_lines(result) + population_summary(result);
   return text + fmt::format("report: {}\n", result["report"].get<std::string>());
 }
 
@@ -275,6 +274,32 @@ std::string cost_text(const Json& result) {
                             duration_text(result["predicted_s"].get<double>()));
 }
 
+std::vector<std::string> warnings_of(const Json& result) {
+  std::vector<std::string> warnings;
+  if (result.value("is_objective_flat", false)) {
+    warnings.emplace_back(
+        "the objective is the same at both ends of every variable: a search would have nothing to "
+        "go by");
+  }
+  for (const Json& name : result["idle_variables"]) {
+    warnings.push_back(fmt::format("{} changes nothing in this scene", name.get<std::string>()));
+  }
+  for (const Json& limit : result["broken_limits"]) {
+    warnings.push_back(limit.get<std::string>());
+  }
+  return warnings;
+}
+
+/// "gear: the study is sound, 2 variables", "gear: the study can be run, 1 warning, 2 variables"
+std::string checked_text(const std::string& name, std::size_t warnings, std::size_t variables) {
+  return fmt::format(
+      "{}: the study {}, {} variables\n",
+      name,
+      warnings == 0 ? std::string("is sound")
+                    : fmt::format("can be run, {} warning{}", warnings, warnings == 1 ? "" : "s"),
+      variables);
+}
+
 }  // namespace
 
 int check_command(const StudyArguments& arguments, const CommonArguments& common) {
@@ -288,8 +313,9 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
                                   {.threads = common.threads,
                                    .jobs = jobs_of(arguments, common),
                                    .progress = common.progress()});
-  std::string text = fmt::format(
-      "{}: the study is sound, {} variables\n", study.name, result["variables"].get<std::size_t>());
+  const std::vector<std::string> warnings = warnings_of(result);
+  std::string text =
+      checked_text(study.name, warnings.size(), result["variables"].get<std::size_t>());
   ScoreTable table(result);
   table.add("baseline", result["baseline"]["scores"]);
   table.add_prototypes(result);
@@ -297,16 +323,8 @@ int check_command(const StudyArguments& arguments, const CommonArguments& common
   for (const Json& note : result["baseline"]["notes"]) {
     text += "  note: " + note.get<std::string>() + "\n";
   }
-  if (result.value("is_objective_flat", false)) {
-    text +=
-        "  warning: the objective is the same at both ends of every variable: a search would "
-        "have nothing to go by\n";
-  }
-  for (const Json& name : result["idle_variables"]) {
-    text += fmt::format("  warning: {} changes nothing in this scene\n", name.get<std::string>());
-  }
-  for (const Json& limit : result["broken_limits"]) {
-    text += "  warning: " + limit.get<std::string>() + "\n";
+  for (const std::string& warning : warnings) {
+    text += "  warning: " + warning + "\n";
   }
   if (result.contains("accuracy")) {
     text += accuracy_text(result["accuracy"]);

@@ -82,6 +82,8 @@ TEST(NewStudy, AsJsonOnStdoutIsOneObject) {
   write_file(folder / "plate.stl", rectangle_stl(60, 20));
   const Json printed = json_of(folder, {"new", "plate.stl", "--working_distance_mm", "300"});
   EXPECT_THAT(printed["text"].get<std::string>(), HasSubstr("maximise = \"defects.min_cnr\""));
+  EXPECT_EQ(printed["is_dent_visible"], true);
+  EXPECT_GT(printed["start_score"].get<double>(), 0.0);
 }
 
 /// `glint new` for a small picture of a plate, into a file called like the light.

@@ -136,6 +136,9 @@ TEST(Check, NamesVariablesThatChangeNothing) {
       json_of(folder, {"check", "study.toml", "--set", "lighting.tunnel.shape=ellipse"});
   ASSERT_EQ(json["idle_variables"].size(), 1U);
   EXPECT_EQ(json["idle_variables"][0], "lighting.tunnel.radius_mm");
+  EXPECT_THAT(
+      glint_in(folder, {"check", "study.toml", "--set", "lighting.tunnel.shape=ellipse"}).out,
+      HasSubstr(": the study can be run, 1 warning, 2 variables"));
 }
 
 // The ring's outer radius is 60 mm, which its inner one reaches at the end of its range.

@@ -36,6 +36,17 @@ std::string first_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
 }
 
+/// " (part.radius_mm is 7, was 8)"; empty: a file, the program or the kind of folder differs.
+std::string differences_text(std::vector<std::string> changes) {
+  constexpr std::size_t kMaxTold = 3;
+  if (changes.size() > kMaxTold) {
+    const std::string more = fmt::format("{} more", changes.size() - kMaxTold);
+    changes.resize(kMaxTold);
+    changes.push_back(more);
+  }
+  return changes.empty() ? std::string() : fmt::format(" ({})", join(changes, ", "));
+}
+
 }  // namespace
 
 std::string marked_scene_text(const Study& study, bool is_many) {
@@ -71,15 +82,20 @@ std::vector<std::string> names_of_imprint(int count) {
   return names;
 }
 
-void check_imprint_folder(const fs::path& out, const std::string& marked_scene, int count) {
+void check_imprint_folder(const fs::path& out, const Study& study, int count) {
   check_result_folder(out, ResultKind::kImprint, names_of_imprint(count));
   const fs::path scene = out / kResolvedScene;
   std::error_code ignored;
-  if (fs::exists(scene, ignored) && first_line(read_file(scene)) != first_line(marked_scene)) {
+  if (!fs::exists(scene, ignored)) {
+    return;
+  }
+  const std::string there = read_file(scene);
+  if (first_line(there) != first_line(marked_scene_text(study, count > 0))) {
     throw ConfigError(
-        fmt::format("{}: holds parts of another configuration; choose another output folder, or "
+        fmt::format("{}: holds parts of another configuration{}; choose another output folder, or "
                     "remove this one",
-                    out.string()));
+                    out.string(),
+                    differences_text(changed_keys(study, there))));
   }
 }
 

@@ -25,10 +25,8 @@ std::string part_name(int part);
 std::vector<std::string> names_of_imprint(int count);
 
 /// @param count  as above
-/// @throws ConfigError when the folder holds parts of another configuration, files of those names
-///         that are of nobody known, or results of another verb
-void check_imprint_folder(const std::filesystem::path& out,
-                          const std::string& marked_scene,
-                          int count);
+/// @throws ConfigError when the folder holds parts of another configuration (it names the keys that
+///         differ), files of those names that are of nobody known, or results of another verb
+void check_imprint_folder(const std::filesystem::path& out, const Study& study, int count);
 
 }  // namespace glint

@@ -85,7 +85,7 @@ class ImprintRun {
       throw ConfigError(study_.root.place.file +
                         ": defects: no table [defects.<name>], there is nothing to imprint");
     }
-    check_imprint_folder(options_.out, marked_scene_, options_.count);
+    check_imprint_folder(options_.out, study_, options_.count);
     check_inputs_kept(input_files(study_), options_.out, names_of_imprint(options_.count));
     prepare();
     OutputFolder folder(options_.out);

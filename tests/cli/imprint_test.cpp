@@ -253,14 +253,16 @@ TEST_F(ImprintVerb, KilledLeavesWholePartsAndGoesOn) {
 TEST_F(ImprintVerb, LeavesAFolderOfAnotherConfigurationAlone) {
   imprint_json("out", {"--no_previews"});
   const auto before = files_below(folder_ / "out");
-  for (const Arguments& other : {Arguments{"--seed", "9"},
-                                 Arguments{"--count", "2"},
-                                 Arguments{"--set", "part.radius_mm=7"}}) {
+  const std::vector<std::pair<Arguments, std::string>> others = {
+      {{"--seed", "9"}, " (imprint.seed is 9, was 3)"},
+      {{"--count", "2"}, ""},
+      {{"--set", "part.radius_mm=7"}, " (part.radius_mm is 7, was 8)"}};
+  for (const auto& [other, difference] : others) {
     const ProgramResult result = imprint("out", other);
     EXPECT_EQ(result.code, 2);
     EXPECT_EQ(result.err,
-              "out: holds parts of another configuration; choose another output folder, or remove "
-              "this one\n");
+              "out: holds parts of another configuration" + difference +
+                  "; choose another output folder, or remove this one\n");
   }
   EXPECT_EQ(files_below(folder_ / "out"), before);
 }

@@ -94,7 +94,7 @@ TEST(RemoveStaleStages, TakesThoseOfEndedProcessesOnly) {
 TEST(CheckImprintFolder, RefusesTheRunOfAStudy) {
   const TemporaryFolder folder;
   write_file(folder / "study.sqlite", "");
-  EXPECT_THAT(text_thrown_by<ConfigError>([&] { check_imprint_folder(folder.path(), "x", 0); }),
+  EXPECT_THAT(text_thrown_by<ConfigError>([&] { check_imprint_folder(folder.path(), Study(), 0); }),
               HasSubstr("holds results of `glint run`"));
 }
 

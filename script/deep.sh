@@ -132,7 +132,7 @@ deep_optuna() {
 }
 
 loop_tests='^loop_(robot_cell|hand_eye_seeds)$'
-docs_tests='^(docs_commands|predicted_costs|package)$'
+docs_tests='^(docs_commands_.*|predicted_costs|package)$'
 changes_tests='^cli_compare_changes$'
 search_tests='^gallery_search$'
 golden_tests='^golden'

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// usage: node commands.mjs GLINT SOURCE_DIR WORK_DIR [PAGE...]
+// usage: node commands.mjs GLINT SOURCE_DIR WORK_DIR [--rules | PAGE...]
 //
 // Follows the pages for users word for word: runs every command of their blocks marked ```sh, one
 // after the other, each page in a folder of its own that holds what a clone holds of what commands
@@ -10,8 +10,8 @@
 // NAME.
 //
 // What is not run, run in another way, or made shorter stands in the tables below, each with its
-// reason; a row that nothing on any page needs is refused, too. Without PAGEs: README.md, docs/*.md
-// and the READMEs of the gallery. Exit 1 when something failed, 77 when the meshes that pages name
+// reason; with --rules nothing is run, and a row that nothing on any page needs is refused. Without
+// PAGEs: README.md, docs/*.md and the READMEs of the gallery. Exit 1 when something failed, 77 when the meshes that pages name
 // are not beside the clone.
 import { spawnSync } from "node:child_process";
 import fs from "node:fs";
@@ -172,7 +172,6 @@ class Follower {
     const text = fs.readFileSync(path.join(source, this.page), "utf8");
     const given = GIVEN[this.page];
     if (given) {
-      used.add(given);
       given.make(path.resolve(glint), this.folder);
     }
     for (const block of blocksOf(text)) {
@@ -234,6 +233,23 @@ function allPages() {
   ];
 }
 
+/// Refuses rows that no page needs. @return what is wrong
+function unusedRules() {
+  for (const page of allPages()) {
+    const blocks = blocksOf(fs.readFileSync(path.join(source, page), "utf8"));
+    blocks.filter(({ mark }) => mark === "sh").flatMap(commandsOf).forEach(({ text }) => rewritten(text));
+    used.add(GIVEN[page]);
+  }
+  return [...NOT_RUN, ...IN_ANOTHER_WAY, ...Object.values(GIVEN)]
+    .filter((rule) => !used.has(rule))
+    .map((rule) => `commands.mjs: no page needs the rule ${rule.what ?? "GIVEN"} (${rule.why})`);
+}
+
+if (chosen[0] === "--rules") {
+  const unused = unusedRules();
+  console.log(unused.join("\n"));
+  process.exit(unused.length > 0 ? 1 : 0);
+}
 fs.mkdirSync(work, { recursive: true });
 const followed = (chosen.length > 0 ? chosen : allPages()).map((page) => {
   const follower = new Follower(page);
@@ -241,12 +257,6 @@ const followed = (chosen.length > 0 ? chosen : allPages()).map((page) => {
   return follower;
 });
 const failures = followed.flatMap((follower) => follower.failures);
-if (chosen.length === 0) {
-  const rules = [...NOT_RUN, ...IN_ANOTHER_WAY, ...Object.values(GIVEN)];
-  for (const rule of rules.filter((one) => !used.has(one))) {
-    failures.push(`commands.mjs: no page needs the rule ${rule.what ?? "GIVEN"} (${rule.why})`);
-  }
-}
 for (const { page, counts, seconds } of followed) {
   if (counts.run + counts.left + counts.without_meshes > 0) {
     console.log(

@@ -33,7 +33,7 @@ export function partsSection(facts) {
   if (!data) return null;
   const figures = ['biggest', 'sum', 'biggest', 'sum', 'defects', 'threshold', 'noise', ...(data.truth ? ['found', 'missed', 'false alarms'] : [])];
   return section('parts', 'Parts', null, h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
-    h('thead', {}, h('tr', {}, h('th', { colspan: '2' }), h('th', { class: 'number', colspan: '2' }, 'holes and bumps'), h('th', { class: 'number', colspan: '2' }, 'scratches'), h('th', { colspan: String(figures.length - 4) })),
+    h('thead', {}, h('tr', {}, h('th', { colspan: '2' }), h('th', { class: 'number', colspan: '2' }, `holes and bumps (${data.unit})`), h('th', { class: 'number', colspan: '2' }, `scratches (${data.unit})`), h('th', { colspan: String(figures.length - 4) })),
       h('tr', {}, h('th', {}, 'part'), h('th', {}, 'grade'), figures.map(heading))),
     h('tbody', {}, data.parts.map(partRow)))));
 }

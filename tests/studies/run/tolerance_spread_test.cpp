@@ -124,6 +124,11 @@ TEST(ToleranceSpread, StandsInResultAndReport) {
   EXPECT_EQ(result["evaluations"], 3) << "counted apart";
   EXPECT_GT(result["manufacture"]["scores"]["homogeneity.mean"]["sd"].get<double>(), 0.0);
   EXPECT_THAT(read_file(folder / "run/report.html"), HasSubstr("As it will be built"));
+  const Json panel = tolerance_panel(result["manufacture"], result["best"]["variables"]);
+  const auto& rows = panel["tables"][0]["rows"];
+  EXPECT_TRUE(std::ranges::none_of(rows, [](const Json& row) {
+    return row[0].get<std::string>().starts_with("homogeneity.");
+  })) << rows;
   EXPECT_THAT(read_file(folder / "run/study.resolved.toml"), HasSubstr("plus_minus"));
 }
 

@@ -114,6 +114,20 @@ TEST(SearchRace, IsLeftOutWithoutNoiseOrWhereItIsNotWanted) {
   EXPECT_EQ(run_noisy(folder, "asked", calm + "race = 3\n").at("race").at("finalists"), 3);
 }
 
+TEST(NoisePanel, WritesScoresAsTheRestOfThePage) {
+  const Json told = {{"score", "homogeneity.h_rms"},
+                     {"seen", 0.8112},
+                     {"expected", 0.8012},
+                     {"expected_sd", 0.004},
+                     {"value", 0.7998},
+                     {"low", 0.79},
+                     {"high", 0.81}};
+  EXPECT_EQ(noise_panel("homogeneity.h_rms", Json(), told)["lead"],
+            "The winner's h (rms) is 80.0 % (95 %: 79.0 % to 81.0 %) over random numbers that "
+            "nothing was chosen by; the search saw 81.1 %, its model expects 80.1 % \u00b1 0.4 "
+            "points.");
+}
+
 TEST(SearchRace, OfSeveralObjectivesIsRefused) {
   const TemporaryFolder folder;
   std::string text = kNoisyRing + "race = 3\n";

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -188,20 +189,19 @@ std::vector<CharucoMarker> charuco_markers(const Board& board) {
   return markers;
 }
 
-BoardView find_charuco(PictureLevels& levels, const Board& board) {
+std::optional<BoardView> find_charuco(PictureLevels& levels, const Board& board) {
   int level = 0;
   while (std::max(levels.width(), levels.height()) >> level > kFirstSide) {
     ++level;
   }
-  BoardView best;
-  best.why = "no marker of the board was found";
+  std::optional<BoardView> best;
   for (; level >= 0; --level) {
     const MarkersSeen seen = find_markers(levels.level(level), 1 << level, board);
     if (seen.squares.empty()) {
       continue;
     }
     best = measured(levels, level, board, seen);
-    if (best.outcome != BoardOutcome::kNoBoard) {
+    if (best->outcome != BoardOutcome::kNoBoard) {
       return best;
     }
   }

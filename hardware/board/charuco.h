@@ -4,6 +4,7 @@
 // that of OpenCV 4.6 and older: first square dark, markers in the white squares row by row.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -26,7 +27,7 @@ struct CharucoMarker {
 /// @param board  of kind kCharuco
 std::vector<CharucoMarker> charuco_markers(const Board& board);
 
-/// See find_board().
-BoardView find_charuco(PictureLevels& levels, const Board& board);
+/// See find_board(). @return empty where no marker of the board was found
+std::optional<BoardView> find_charuco(PictureLevels& levels, const Board& board);
 
 }  // namespace glint

@@ -78,8 +78,8 @@ double grey_quantile(const ImageF& picture, double share) {
   return static_cast<double>(values[static_cast<std::size_t>(at)]);
 }
 
-/// Of a picture in which no part of a board was found.
-BoardView without_board(PictureLevels& levels) {
+/// Of a picture in which no part of a board was found. @param why  it may not be its light
+BoardView without_board(PictureLevels& levels, const char* why) {
   const ImageF& coarse = levels.level(search_order(levels).front());
   constexpr double kDark = 0.06;
   const double bright = grey_quantile(coarse, 0.995);
@@ -91,7 +91,7 @@ BoardView without_board(PictureLevels& levels) {
   if (grey_quantile(coarse, 0.5) >= levels.clipped_value()) {
     return refused_view(BoardOutcome::kSaturated, "half of its pixels are at full scale");
   }
-  return refused_view(BoardOutcome::kNoBoard, "no part of a checkerboard was found");
+  return refused_view(BoardOutcome::kNoBoard, why);
 }
 
 /// Of a picture with a part of a board.
@@ -146,8 +146,9 @@ BoardView find_checkerboard(PictureLevels& levels, const Board& board) {
   if (refusal) {
     return *refusal;
   }
-  return most && most->found.num_found >= fewest ? incomplete(levels, board, *most)
-                                                 : without_board(levels);
+  return most && most->found.num_found >= fewest
+             ? incomplete(levels, board, *most)
+             : without_board(levels, "no part of a checkerboard was found");
 }
 
 }  // namespace
@@ -162,8 +163,11 @@ BoardView find_board(const Pixels& picture, const Board& board) {
                                     kSmallestSide,
                                     kSmallestSide));
   }
-  return board.kind == BoardKind::kCharuco ? find_charuco(levels, board)
-                                           : find_checkerboard(levels, board);
+  if (board.kind != BoardKind::kCharuco) {
+    return find_checkerboard(levels, board);
+  }
+  std::optional<BoardView> view = find_charuco(levels, board);
+  return view ? *std::move(view) : without_board(levels, "no marker of the board was found");
 }
 
 }  // namespace glint

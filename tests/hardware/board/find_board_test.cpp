@@ -149,6 +149,16 @@ TEST(FindBoard, FindsNoBoardWhereThereIsNone) {
             BoardOutcome::kSaturated);
 }
 
+TEST(FindBoard, SaysOfCharucoThatThereIsNoneForWantOrExcessOfLight) {
+  const Board markers = {.kind = BoardKind::kCharuco, .cols = 6, .rows = 4, .square_mm = 20.0};
+  EXPECT_EQ(find_board(Image<std::uint8_t>(640, 480, 3), markers).outcome, BoardOutcome::kDark);
+  EXPECT_EQ(find_board(Image<std::uint8_t>(640, 480, 255), markers).outcome,
+            BoardOutcome::kSaturated);
+  const BoardView grey = find_board(Image<std::uint8_t>(640, 480, 128), markers);
+  EXPECT_EQ(grey.outcome, BoardOutcome::kNoBoard);
+  EXPECT_EQ(grey.why, "no marker of the board was found");
+}
+
 TEST(FindBoard, GivesTheSameCornersFor8And16Bits) {
   Rng rng(7, Stream::kTest, 0);
   BoardScene scene = small_scene(kBoard);

@@ -286,12 +286,11 @@ void judge_marks(CalibrateInput& input) {
   };
   const auto seen = std::ranges::count_if(input.views, &BoardView::is_accepted);
   const auto known = seen - std::ranges::count_if(input.views, is_unknown);
-  Board plain = input.board;
-  plain.mark = false;
-  // Sides of an odd sum settle the first corner by their colours.
-  if (!input.board.mark || known == seen || num_symmetries(plain) == 1) {
+  if (!input.board.mark || known == seen) {
     return;
   }
+  Board plain = input.board;
+  plain.mark = false;
   if (static_cast<double>(known) <= kFewMarks * static_cast<double>(seen)) {
     input.board = plain;
     input.notes.push_back(fmt::format(
@@ -301,8 +300,10 @@ void judge_marks(CalibrateInput& input) {
         seen));
     return;
   }
+  // Sides of an odd sum settle the first corner by their colours.
+  const bool needs_mark = input.poses && num_symmetries(plain) > 1;
   for (BoardView& view : input.views) {
-    if (input.poses && is_unknown(view)) {
+    if (needs_mark && is_unknown(view)) {
       view.outcome = BoardOutcome::kNoBoard;
       view.why = "the mark in the board's first square was not found";
     }

@@ -181,6 +181,19 @@ TEST_F(CalibrateVerb, AMarkThatIsNotThereIsTold) {
   EXPECT_THAT(same["notes"].dump(), HasSubstr("pictures show the mark"));
 }
 
+/// Nor on a board whose colours settle it.
+TEST_F(CalibrateVerb, AMarkThatIsNotThereIsToldOfAnOddBoard) {
+  const fs::path set = photographs("calibration/chessboard_left");
+  if (!fs::exists(set)) {
+    GTEST_SKIP() << "no " << set;
+  }
+  write_file(folder_ / "mark.toml", "[board]\ncols = 9\nrows = 6\nsquare_mm = 25\nmark = true\n");
+  const Json result = calibrate_json(files_in(set, "left0", ".jpg"), {"--board", "mark.toml"});
+  EXPECT_FALSE(result["board"]["mark"].get<bool>());
+  EXPECT_TRUE(result["board"]["given_mark"].get<bool>());
+  EXPECT_THAT(result["notes"].dump(), HasSubstr("pictures show the mark"));
+}
+
 TEST_F(CalibrateVerb, CornersWhoseOrientationIsNoWordOrTwoAreRefused) {
   write_file(folder_ / "board.toml", "[board]\ncols = 9\nrows = 7\nsquare_mm = 10\n");
   const auto error_of = [&](const std::string& rows) {

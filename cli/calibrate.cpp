@@ -74,6 +74,8 @@ std::string hand_eye_text(const Json& result) {
                       turn[1].get<double>(),
                       turn[2].get<double>(),
                       number_text(pose["sigma_deg"], " degrees"));
+  text += fmt::format("    board's orientation: by the {}\n",
+                      result["board"]["orientation"].get<std::string>());
   text += "  pictures left out are predicted to:";
   for (const Json& method : result["methods"]) {
     text +=

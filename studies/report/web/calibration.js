@@ -213,6 +213,7 @@ function cellFigures(data) {
   return table([h('th', {}, 'what'), heading('value'), h('th', {}, '')], [
     line('error of a corner along one axis', noise.corner_px, 'px'), line('robot, error of its place along one axis', noise.robot_mm, 'mm'), line('robot, error of its rotation about one axis', noise.robot_deg, 'degrees'),
     line('board places that the pictures say one by one, scatter', pose.scatter_mm, 'mm'), line('the same, rotation', pose.scatter_deg, 'degrees'),
+    h('tr', {}, h('td', {}, 'orientation of the board, settled by'), cell(board.orientation), h('td', {})),
     line('true size of the squares over the given one', board.measured_scale.factor, ''), line('its standard deviation', board.measured_scale.sigma, ''),
     line('error of a computed point, middle of the picture', data.point_error_px.center, 'px'), line('in its corners', data.point_error_px.edge, 'px')], 'What the data say of robot, corners and board');
 }

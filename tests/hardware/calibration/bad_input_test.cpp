@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/units.h"
 #include "hardware/calibration/moved_board.h"
+#include "tests/hardware/calibration/cell_counts.h"
 #include "tests/hardware/calibration/simulated_cell.h"
 
 namespace glint {
@@ -114,7 +116,8 @@ SimulatedCell moved_from(std::size_t first_after, Mounting mounting) {
 
 TEST(MovedBoard, IsRefusedWithThePlaceAndTheWay) {
   for (const Mounting mounting : {Mounting::kEyeInHand, Mounting::kEyeToHand}) {
-    for (const std::size_t first_after : {8u, 12u, 17u}) {
+    for (const std::size_t first_after :
+         kAllCells ? std::vector<std::size_t>{8, 12, 17} : std::vector<std::size_t>{12}) {
       const HandEyeCalibration result = solve(moved_from(first_after, mounting));
       EXPECT_FALSE(result.succeeded);
       EXPECT_THAT(result.refusal,
@@ -125,7 +128,7 @@ TEST(MovedBoard, IsRefusedWithThePlaceAndTheWay) {
 }
 
 TEST(MovedBoard, IsNotSeenWhereNothingMoved) {
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+  for (std::uint64_t seed = 1; seed <= (kAllCells ? 5U : 1U); ++seed) {
     const SimulatedCell cell =
         simulate_cell({.num_poses = 24, .flipped_share = 0.1, .wrong_share = 0.1}, seed);
     std::vector<PosePair> pairs;
@@ -164,46 +167,16 @@ TEST(WrongSquares, OfTwiceTheSizeAreToldByHowMuch) {
 
 // --- Weak geometry -------------------------------------------------------------------------------
 
-struct WeakCase {
-  const char* name;
-  CellSettings settings;
-};
-
-class WeakGeometry : public testing::TestWithParam<WeakCase> {};
-
-TEST_P(WeakGeometry, IsRefusedOrCoveredByItsUncertainty) {
-  int held = 0;
-  int numbers = 0;
-  for (std::uint64_t seed = 100; seed < 103; ++seed) {
-    const SimulatedCell cell = simulate_cell(GetParam().settings, seed);
-    const HandEyeCalibration result = solve(cell);
-    if (!result.succeeded) {
-      EXPECT_FALSE(result.refusal.empty());
-      continue;
-    }
-    const auto miss = miss_of(cell, result.lens, result.poses);
-    for (Eigen::Index i = 9; i < 15; ++i) {
-      const double sigma = std::sqrt(result.covariance(i, i));
-      EXPECT_LT(std::abs(miss[i]), 5.0 * sigma) << seed << ' ' << i;
-      held += std::abs(miss[i]) < 2.0 * sigma ? 1 : 0;
-      ++numbers;
-    }
+/// How often the intervals of weak geometry hold the truth: monte_carlo_slow_test.cpp.
+TEST(WeakGeometry, OfFivePosesIsRefusedOrCoveredByItsUncertainty) {
+  const SimulatedCell cell = simulate_cell({.num_poses = 5}, 100);
+  const HandEyeCalibration result = solve(cell);
+  EXPECT_EQ(result.succeeded, result.refusal.empty());
+  const auto miss = miss_of(cell, result.lens, result.poses);
+  for (Eigen::Index i = 9; result.succeeded && i < 15; ++i) {
+    EXPECT_LT(std::abs(miss[i]), 5.0 * std::sqrt(result.covariance(i, i))) << i;
   }
-  // 95 of 100 are within two sigma.
-  EXPECT_GE(held, 0.8 * numbers);
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Kinds,
-    WeakGeometry,
-    testing::Values(
-        WeakCase{"one_axis", {.num_poses = 20, .tilt_y_deg = 1.0, .roll_deg = 1.0}},
-        WeakCase{"five_poses", {.num_poses = 5}},
-        WeakCase{"rotations_below_5",
-                 {.num_poses = 20, .tilt_x_deg = 2.5, .tilt_y_deg = 2.5, .roll_deg = 2.5}},
-        WeakCase{"tilts_below_8",
-                 {.num_poses = 20, .tilt_x_deg = 8.0, .tilt_y_deg = 8.0, .distance_mm = 3.0}}),
-    [](const auto& one) { return std::string(one.param.name); });
 
 TEST(WeakGeometryWarnings, NameWhatIsMissing) {
   const HandEyeCalibration flat = solve(simulate_cell(

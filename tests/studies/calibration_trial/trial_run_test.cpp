@@ -48,9 +48,6 @@ full_well_e = 10000
 constexpr const char* kOnFlange =
     "[calibration.flange_from_camera]\ntranslation_mm = [12, -58, 84]\n"
     "rotation_vector_deg = [1, -1, 44]\n[cell.base_from_part]\ntranslation_mm = [420, -110, 60]\n";
-constexpr const char* kBesideRobot =
-    "[calibration.base_from_camera]\ntranslation_mm = [500, 0, 800]\n"
-    "rotation_vector_deg = [175, 2, 3]\n[cell.flange_from_part]\ntranslation_mm = [5, 10, 90]\n";
 
 class CalibrationTrial : public ::testing::Test {
  protected:
@@ -123,9 +120,15 @@ TEST_F(CalibrationTrial, FindsACameraOnTheFlangeFromItsFiles) {
   }
 }
 
+#ifdef GLINT_ALL_TRIALS  // among the slow tests
+constexpr const char* kBesideRobot =
+    "[calibration.base_from_camera]\ntranslation_mm = [500, 0, 800]\n"
+    "rotation_vector_deg = [175, 2, 3]\n[cell.flange_from_part]\ntranslation_mm = [5, 10, 90]\n";
+
 TEST_F(CalibrationTrial, FindsACameraBesideTheRobot) {
   expect_found(run(study_of(small_trial(kBesideRobot))));
 }
+#endif
 
 TEST_F(CalibrationTrial, CheckLooksAtTwoPicturesAndWritesNothing) {
   const Json sound = check_calibration_trial(study_of(small_trial(kOnFlange)), 2);

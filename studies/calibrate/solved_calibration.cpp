@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 
 #include <fmt/format.h>
 
 #include "core/config/key_writer.h"
+#include "hardware/calibration/camera_bundle.h"
 #include "hardware/calibration/lens_choice.h"
 #include "hardware/calibration_review/second_camera.h"
 
@@ -137,9 +139,47 @@ std::string names_text(const std::vector<std::string>& names, bool is_row) {
   return fmt::format("{} and {} more", fmt::join(first, ", "), names.size() - shown);
 }
 
+/// The camera as the pictures have it where all of it was given as exact: without a free term they
+/// cannot object. Else, and of fewer than three pictures, the solution itself.
+Bundle freed(const Bundle& solved) {
+  constexpr std::size_t kFreed = 5;  // fx fy cx cy k1
+  constexpr std::size_t kMinFreedViews = 3;
+  if (num_shared(solved) > 0 || solved.views.size() < kMinFreedViews) {
+    return solved;
+  }
+  Bundle bundle = solved;
+  std::fill_n(bundle.is_free.begin(), kFreed, true);
+  return fit_camera(bundle, 6) ? bundle : solved;
+}
+
+double rms_of_views_px(const Bundle& bundle) {
+  double squares = 0.0;
+  double corners = 0.0;
+  for (const BundleView& view : bundle.views) {
+    const auto count = static_cast<double>(view.corners.board_mm.size());
+    squares += count * std::pow(rms_px(bundle, view), 2);
+    corners += count;
+  }
+  return std::sqrt(squares / corners);
+}
+
+/// Of a camera that was given as exact and is another one than the pictures'.
+void warn_of_known_camera(const CameraCalibration& camera, std::vector<std::string>& warnings) {
+  const Bundle free = freed(camera.bundle);
+  const double known_px = rms_of_views_px(camera.bundle);
+  const double free_px = rms_of_views_px(free);
+  if (num_shared(camera.bundle) == 0 && free_px * free_px < 0.5 * known_px * known_px) {
+    warnings.push_back(
+        fmt::format("--camera: its numbers do not fit these pictures: they leave {:.3g} px (rms), "
+                    "with other focal lengths, centre and k1 {:.3g} px would be left",
+                    known_px,
+                    free_px));
+  }
+}
+
 /// @throws ConfigError when the pictures are of two cameras
 void check_one_camera(const CalibrateInput& input, const CameraCalibration& camera) {
-  const std::optional<SecondCamera> second = find_second_camera(camera.bundle);
+  const std::optional<SecondCamera> second = find_second_camera(freed(camera.bundle));
   if (!second) {
     return;
   }
@@ -210,6 +250,7 @@ HandEyeCalibration joint_calibration(const CalibrateInput& input, std::vector<st
   if (is_open) {
     notes.push_back(note_of_setup(input, result.mounting));
   }
+  warn_of_known_camera(result.camera, result.warnings);
   std::ranges::copy(result.notes, std::back_inserter(notes));
   return result;
 }
@@ -369,6 +410,7 @@ SolvedCalibration solve_calibration(const CalibrateInput& input, ThreadPool& poo
     throw ConfigError(solved.camera.refusal);
   }
   check_one_camera(input, solved.camera);
+  warn_of_known_camera(solved.camera, solved.camera.warnings);
   take_camera(solved);
   take_camera_prediction(input, solved, pool);
   review(input, solved.camera.bundle, solved.camera.pictures, solved);

@@ -240,7 +240,8 @@ TEST_F(CalibrateErrors, OnePictureDoesNotSuffice) {
   if (!fs::exists(set)) {
     GTEST_SKIP() << "no " << set;
   }
-  expect_refused({(set / "left01.jpg").string()}, {"--board", "board.toml"}, "picture");
+  expect_refused(
+      {(set / "left01.jpg").string()}, {"--board", "board.toml"}, "at least 3 are needed");
 }
 
 TEST_F(CalibrateErrors, AnotherBoardThanThePicturesShowIsTold) {
@@ -397,6 +398,17 @@ TEST_F(CalibrateErrors, PicturesOfTwoRealCamerasAreTold) {
                  "left01.jpg to left14.jpg agree among each other, and so do franka_image-1.png "
                  "to franka_image-8.png");
   expect_refused(turns, {"--board", "board.toml"}, "the pictures are of two cameras");
+  const std::string camera = (arm / "franka_camera.xml").string();
+  expect_refused(
+      row, {"--board", "board.toml", "--camera", camera}, "the pictures are of two cameras");
+  const auto warnings_of = [&](const Arguments& pictures) {
+    return calibrate_json(pictures, {"--board", "board.toml", "--camera", camera})["warnings"]
+        .dump();
+  };
+  EXPECT_THAT(warnings_of(others), ::testing::Not(::testing::HasSubstr("do not fit")));
+  fs::remove_all(folder_ / "out");
+  EXPECT_THAT(warnings_of(files_in(left, "left", ".jpg")),
+              ::testing::HasSubstr("--camera: its numbers do not fit these pictures"));
 }
 
 // Half of the pictures of a robot with its board pushed by 15 mm in its grip: as if the flange had

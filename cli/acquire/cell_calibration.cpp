@@ -90,8 +90,13 @@ std::string rounds_text(const Json& result) {
 }
 
 std::string placed_text(const Json& result) {
-  return placement_text("base_from_part", result["base_from_part"], result["spread"]) +
-         fmt::format("part for scenes: {}\n", result["placement"].get<std::string>());
+  std::string text =
+      placement_text("base_from_part", result["base_from_part"], result["spread"]) +
+      fmt::format("part for scenes: {}\n", result["placement"].get<std::string>());
+  for (const Json& note : result["notes"]) {
+    text += "note: " + note.get<std::string>() + "\n";
+  }
+  return text;
 }
 
 /// What a person has to do: put the part down, or mount a prototype.

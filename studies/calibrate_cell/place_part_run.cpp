@@ -32,6 +32,15 @@ constexpr std::size_t kMinPictures = 2;
 constexpr int kMaxPasses = 4;
 constexpr double kSettled_px = 0.1;  ///< the part moved less: rendering it again tells nothing new
 
+std::string not_settled_text(const Json& told) {
+  return fmt::format(
+      "placement {}: has not settled, in the last of {} passes its edges moved by {:.2f} px: its "
+      "place may be farther off than is stated",
+      told["placement"].get<int>(),
+      told["passes"].get<int>(),
+      told["moved_px"].get<double>());
+}
+
 class PartPlacing {
  public:
   PartPlacing(const PlacePartOptions& options, const MotionPermit& permit)
@@ -135,7 +144,8 @@ class PartPlacing {
     const fs::path file = numbered("found", number, ".json");
     const Json kept =
         fs::exists(file) ? Json::parse(read_file(file), nullptr, false) : Json::object();
-    if (!kept.is_object() || kept.value("scene", "") != scene_text_) {
+    if (!kept.is_object() || kept.value("scene", "") != scene_text_ ||
+        !kept.at("told").contains("settled")) {
       return false;
     }
     remember(number, kept.at("told"));
@@ -168,8 +178,10 @@ class PartPlacing {
       place = next;
       told["passes"] = pass;
       told["rms_px"] = found["placements"][0]["rms_px"];
+      told["moved_px"] = moved_px;
+      told["settled"] = moved_px < kSettled_px;
       told["base_from_part"] = found["base_from_part"];
-      if (moved_px < kSettled_px) {
+      if (told["settled"]) {
         break;
       }
     }
@@ -247,6 +259,11 @@ class PartPlacing {
     json["base_from_part"] = all["base_from_part"];
     json["spread"] = all["spread"];
     json["notes"] = all["notes"];
+    for (const Json& told : placements_) {
+      if (!told["settled"]) {
+        json["notes"].push_back(not_settled_text(told));
+      }
+    }
     json["placement"] = (out / "placement.toml").string();
     return json;
   }

@@ -54,6 +54,15 @@ void check(const SceneSettings& scene, const fs::path& file) {
   }
 }
 
+std::vector<SeenEdge> every_few(const std::vector<SeenEdge>& seen) {
+  const std::size_t step = std::max<std::size_t>(1, (seen.size() + kMaxEdges - 1) / kMaxEdges);
+  std::vector<SeenEdge> few;
+  for (std::size_t i = step / 2; i < seen.size(); i += step) {
+    few.push_back(seen[i]);
+  }
+  return few;
+}
+
 }  // namespace
 
 std::vector<Viewpoint> tilted_views(const Viewpoint& viewpoint, double distance_mm) {
@@ -100,23 +109,25 @@ Viewpoint viewpoint_at(const SceneSettings& scene, const Eigen::Isometry3d& base
 
 std::vector<SeenEdge> seen_edges(const SceneSettings& scene,
                                  const Viewpoint& viewpoint,
-                                 std::span<const SpaceEdge> edges) {
+                                 std::span<const SpaceEdge> edges,
+                                 const PlaceDoubt& doubt) {
   const PinholeCamera camera(intrinsics_of(scene));
   const RigidTransform part_from_camera =
       inverse(pose_from_angles(vector(scene.part.position_mm), vector(scene.part.rotation_rad))) *
       inverse(camera_from_world(viewpoint));
   std::vector<SeenEdge> seen;
-  const std::size_t step = std::max<std::size_t>(1, (edges.size() + kMaxEdges - 1) / kMaxEdges);
-  for (std::size_t i = step / 2; i < edges.size(); i += step) {
-    const SpaceEdge& edge = edges[i];
-    if (const auto pixel = camera.project(edge.in_camera_mm)) {
-      seen.push_back({.part_mm = part_from_camera * edge.in_camera_mm,
+  for (const SpaceEdge& edge : edges) {
+    const Vector3d part_mm = part_from_camera * edge.in_camera_mm;
+    const double px_per_mm = camera.intrinsics().focal_px.x() / edge.in_camera_mm.z();
+    const auto pixel = camera.project(edge.in_camera_mm);
+    if (pixel && edge.free_px > px_per_mm * (doubt.mm + doubt.rad * part_mm.norm())) {
+      seen.push_back({.part_mm = part_mm,
                       .pixel_px = *pixel + edge.offset_px * edge.normal,
                       .normal = edge.normal,
-                      .px_per_mm = camera.intrinsics().focal_px.x() / edge.in_camera_mm.z()});
+                      .px_per_mm = px_per_mm});
     }
   }
-  return seen;
+  return every_few(seen);
 }
 
 std::string edge_header() {

@@ -42,9 +42,18 @@ struct SeenEdge {
 /// Neighbouring edges share their errors: at most so many are taken of a picture, evenly.
 inline constexpr std::size_t kMaxEdges = 120;
 
+/// How far the part may lie from where it was rendered.
+struct PlaceDoubt {
+  double mm = 0.0;
+  double rad = 0.0;  ///< about the part's origin
+};
+
+/// Where another edge is as near as the part may be off, as above and below a side face, one may be
+/// taken for the other: these are left out.
 std::vector<SeenEdge> seen_edges(const SceneSettings& scene,
                                  const Viewpoint& viewpoint,
-                                 std::span<const SpaceEdge> edges);
+                                 std::span<const SpaceEdge> edges,
+                                 const PlaceDoubt& doubt);
 
 /// Rows of a file of seen points (studies/calibrate/place_file.h).
 std::string edge_rows(const std::string& picture, std::span<const SeenEdge> edges);

@@ -11,6 +11,7 @@
 #include "core/config/toml.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/units.h"
 #include "studies/acquire/acquired.h"
 #include "studies/calibrate/place_run.h"
 #include "studies/calibrate_cell/part_views.h"
@@ -22,6 +23,7 @@
 namespace glint {
 namespace {
 
+using calibrate_cell_detail::PlaceDoubt;
 using calibrate_cell_detail::SeenEdge;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -29,7 +31,10 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMinPictures = 2;
-constexpr int kMaxPasses = 4;
+constexpr int kMaxPasses = 6;
+constexpr int kMaxHalvings = 6;
+constexpr double kRuler_mm = 1.0;  ///< standard deviations by a ruler
+constexpr double kRulerRad = 0.5 * kRadPerDeg;
 constexpr double kSettled_px = 0.1;  ///< the part moved less: rendering it again tells nothing new
 
 std::string not_settled_text(const Json& told) {
@@ -164,9 +169,10 @@ class PartPlacing {
   bool find_edges(int number) {
     const Acquired acquired = read_acquired(numbered("placement", number));
     Isometry3d place = place_;
+    PlaceDoubt doubt = first_doubt();
     Json told = {{"placement", number}};
     for (int pass = 1; pass <= kMaxPasses; ++pass) {
-      const auto seen = edges_at(place, acquired, number);
+      const auto seen = edges_at(place, acquired, number, doubt);
       told["pictures"] = seen.size();
       if (seen.size() < kMinPictures) {
         placements_.push_back(std::move(told));
@@ -174,12 +180,13 @@ class PartPlacing {
       }
       const Json found = place_part({input(number)}, place_options(numbered("place", number)));
       const Isometry3d next = pose_of(found["base_from_part"]);
-      const double moved_px = largest_move_px(seen, place, next);
+      const Move move = largest_move(seen, place, next);
       place = next;
+      doubt = {.mm = move.mm};
       told["passes"] = pass;
       told["rms_px"] = found["placements"][0]["rms_px"];
-      told["moved_px"] = moved_px;
-      told["settled"] = moved_px < kSettled_px;
+      told["moved_px"] = move.px;
+      told["settled"] = pass > 1 && move.px < kSettled_px;
       told["base_from_part"] = found["base_from_part"];
       if (told["settled"]) {
         break;
@@ -191,33 +198,73 @@ class PartPlacing {
     return true;
   }
 
-  /// Writes the files that place_part() reads. @return edges of each picture that shows the part
-  std::vector<std::vector<SeenEdge>> edges_at(const Isometry3d& base_from_part,
-                                              const Acquired& acquired,
-                                              int number) const {
-    SceneSettings scene = scene_;
-    scene.cell->base_from_part->pose = pose_settings(
-        {.rotation = base_from_part.linear(), .translation_mm = base_from_part.translation()});
-    std::vector<AcquiredPicture> kept;
+  /// Two standard deviations of where the scene says that the part lies; of a ruler, where it does
+  /// not tell how well that is known.
+  PlaceDoubt first_doubt() const {
+    const MeasuredPoseSettings& known = *scene_.cell->base_from_part;
+    const double sigma_mm = std::ranges::max(known.sigma_mm);
+    const double sigma_rad = std::ranges::max(known.sigma_rad);
+    return {.mm = 2.0 * (sigma_mm > 0.0 ? sigma_mm : kRuler_mm),
+            .rad = 2.0 * (sigma_rad > 0.0 ? sigma_rad : kRulerRad)};
+  }
+
+  /// Edges in the pictures of a placement, rendered where the part is thought to lie.
+  struct RenderedViews {
+    SceneSettings scene;
+    std::vector<AcquiredPicture> taken;
     std::vector<PictureOfView> pictures;
+    std::vector<std::vector<SpaceEdge>> edges;
+  };
+
+  RenderedViews rendered_at(const Isometry3d& base_from_part,
+                            const Acquired& acquired,
+                            int number) const {
+    RenderedViews views{.scene = scene_};
+    views.scene.cell->base_from_part->pose = pose_settings(
+        {.rotation = base_from_part.linear(), .translation_mm = base_from_part.translation()});
     for (const std::string& view : acquired.views()) {
-      kept.push_back(acquired.of_view(view).front());
-      pictures.push_back(
-          {.file = acquired.folder / kept.back().file,
-           .viewpoint = calibrate_cell_detail::viewpoint_at(scene, kept.back().base_from_flange)});
+      const AcquiredPicture& taken = views.taken.emplace_back(acquired.of_view(view).front());
+      views.pictures.push_back(
+          {.file = acquired.folder / taken.file,
+           .viewpoint = calibrate_cell_detail::viewpoint_at(views.scene, taken.base_from_flange)});
     }
     const fs::path simulated = numbered("simulated", number);
     fs::remove_all(simulated);
-    const auto edges = edges_in_pictures(scene, pictures, simulated, options_.threads);
+    views.edges = edges_in_pictures(views.scene, views.pictures, simulated, options_.threads);
+    return views;
+  }
+
+  /// Writes the files that place_part() reads. Where too few edges lie alone, nearer ones serve,
+  /// too: as many more as two pictures need.
+  /// @return edges of each picture that shows the part
+  std::vector<std::vector<SeenEdge>> edges_at(const Isometry3d& base_from_part,
+                                              const Acquired& acquired,
+                                              int number,
+                                              PlaceDoubt doubt) const {
+    const RenderedViews views = rendered_at(base_from_part, acquired, number);
+    for (int halving = 0;; ++halving) {
+      auto seen = write_edges(views, number, doubt);
+      if (seen.size() >= kMinPictures || halving == kMaxHalvings) {
+        return seen;
+      }
+      doubt = {.mm = 0.5 * doubt.mm, .rad = 0.5 * doubt.rad};
+    }
+  }
+
+  std::vector<std::vector<SeenEdge>> write_edges(const RenderedViews& views,
+                                                 int number,
+                                                 const PlaceDoubt& doubt) const {
     std::string rows = calibrate_cell_detail::edge_header();
     std::string poses = calibrate_cell_detail::pose_convention_toml();
     std::vector<std::vector<SeenEdge>> all;
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-      auto seen = calibrate_cell_detail::seen_edges(scene, pictures[i].viewpoint, edges[i]);
+    for (std::size_t i = 0; i < views.edges.size(); ++i) {
+      auto seen = calibrate_cell_detail::seen_edges(
+          views.scene, views.pictures[i].viewpoint, views.edges[i], doubt);
       if (seen.size() >= kMinEdges) {
-        const std::string name = fmt::format("placement_{}/{}", number, kept[i].file);
+        const AcquiredPicture& taken = views.taken[i];
+        const std::string name = fmt::format("placement_{}/{}", number, taken.file);
         rows += calibrate_cell_detail::edge_rows(name, seen);
-        poses += calibrate_cell_detail::pose_toml(name, kept[i].base_from_flange);
+        poses += calibrate_cell_detail::pose_toml(name, taken.base_from_flange);
         all.push_back(std::move(seen));
       }
     }
@@ -226,17 +273,24 @@ class PartPlacing {
     return all;
   }
 
-  static double largest_move_px(const std::vector<std::vector<SeenEdge>>& pictures,
-                                const Isometry3d& before,
-                                const Isometry3d& after) {
-    double largest_px = 0.0;
+  /// The farthest that an edge has moved.
+  struct Move {
+    double mm = 0.0;
+    double px = 0.0;
+  };
+
+  static Move largest_move(const std::vector<std::vector<SeenEdge>>& pictures,
+                           const Isometry3d& before,
+                           const Isometry3d& after) {
+    Move largest;
     for (const auto& edges : pictures) {
       for (const SeenEdge& edge : edges) {
         const double moved_mm = (after * edge.part_mm - before * edge.part_mm).norm();
-        largest_px = std::max(largest_px, edge.px_per_mm * moved_mm);
+        largest.mm = std::max(largest.mm, moved_mm);
+        largest.px = std::max(largest.px, edge.px_per_mm * moved_mm);
       }
     }
-    return largest_px;
+    return largest;
   }
 
   PlaceInput input(int number) const {

@@ -276,8 +276,17 @@ void withhold_doubtful(const OutlinePair& outlines, int width_px, PairCauses& ca
 }  // namespace
 
 std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene) {
+  constexpr double kMaxFree_px = 20.0;
   const SimulatedSurface surface = surface_of(pair, scene);
-  return matched_causes(pair, surface, intrinsics_of(scene), surface.middle_mm(), {}).edges;
+  const PinholeCamera camera(intrinsics_of(scene));
+  std::vector<SpaceEdge> edges =
+      matched_causes(pair, surface, camera.intrinsics(), surface.middle_mm(), {}).edges;
+  for (SpaceEdge& edge : edges) {
+    if (const auto at_px = camera.project(edge.in_camera_mm)) {
+      edge.free_px = surface.free_px(*at_px, edge.normal, kMaxFree_px);
+    }
+  }
+  return edges;
 }
 
 PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {

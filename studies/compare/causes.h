@@ -38,7 +38,8 @@ struct PairCauses {
   std::vector<SpaceEdge> space_edges = {};               ///< matched; empty where they are doubtful
 };
 
-/// Edges of the pair with their places in space, matched where the causes take them.
+/// Edges of the pair with their places in space, matched where the causes take them, and how far
+/// the next edge of the simulated surface is, up to 20 px.
 /// @param scene  of the simulated picture @throws ConfigError, IoError
 std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene);
 

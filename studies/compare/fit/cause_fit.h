@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ struct SpaceEdge {
   Eigen::Vector3d in_camera_mm = Eigen::Vector3d::Zero();
   Eigen::Vector2d normal = Eigen::Vector2d::UnitX();
   double offset_px = 0.0;
+  /// Along the normal to the nearest other edge of the surface: one that the real edge may be taken
+  /// for. Infinite: there is none near, or none was looked for.
+  double free_px = std::numeric_limits<double>::infinity();
 };
 
 /// What may differ: turns of the part about the camera's axes through its middle, shifts along

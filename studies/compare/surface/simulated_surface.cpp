@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include <fmt/format.h>
@@ -77,6 +78,23 @@ std::optional<Vector3d> SimulatedSurface::at_edge(const PinholeCamera& camera,
   return Vector3d(*ray / (ray->z() * nearest));
 }
 
+double SimulatedSurface::free_px(const Vector2d& at_px,
+                                 const Vector2d& normal,
+                                 double reach_px) const {
+  constexpr double kOwn_px = 2.0;  // nearer pixels may mix what lies on both sides of this edge
+  constexpr double kStep_px = 1.0;
+  for (double away_px = kOwn_px; away_px + kStep_px <= reach_px; away_px += kStep_px) {
+    for (const double side : {-1.0, 1.0}) {
+      const Vector2d first_px = at_px + side * away_px * normal;
+      const Vector2d second_px = first_px + side * kStep_px * normal;
+      if (is_within(first_px) && is_within(second_px) && is_edge_between(first_px, second_px)) {
+        return away_px;
+      }
+    }
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
 Vector3d SimulatedSurface::middle_mm() const {
   Vector3d sum = Vector3d::Zero();
   double count = 0.0;
@@ -89,6 +107,25 @@ Vector3d SimulatedSurface::middle_mm() const {
     }
   }
   return count > 0.0 ? Vector3d(sum / count) : Vector3d(0.0, 0.0, 1.0);
+}
+
+bool SimulatedSurface::is_within(const Vector2d& at_px) const {
+  return at_px.minCoeff() >= 0.0 && at_px.x() < width() && at_px.y() < height();
+}
+
+/// Of the pixels of two neighbouring places.
+bool SimulatedSurface::is_edge_between(const Vector2d& first_px, const Vector2d& second_px) const {
+  constexpr double kMinCos = 0.97;  // of 14 degrees: faces that meet, no curved one
+  constexpr double kMinStep = 0.5;  // of the way between both points, across the surface
+  const Eigen::Vector2i first = first_px.cast<int>();
+  const Eigen::Vector2i second = second_px.cast<int>();
+  if (!is_part(first.x(), first.y()) || !is_part(second.x(), second.y())) {
+    return is_part(first.x(), first.y()) != is_part(second.x(), second.y());
+  }
+  const Vector3d normal_before = normal(first.x(), first.y());
+  const Vector3d way_mm = point_mm(second.x(), second.y()) - point_mm(first.x(), first.y());
+  return normal_before.dot(normal(second.x(), second.y())) < kMinCos ||
+         std::abs(normal_before.dot(way_mm)) > kMinStep * way_mm.norm();
 }
 
 /// Between the centres of pixels; 0 where one of them is not on the part.

@@ -49,6 +49,13 @@ class SimulatedSurface {
                                          const Eigen::Vector2d& at_px,
                                          const Eigen::Vector2d& normal) const;
 
+  /// Along the normal, to either side, from an edge to the nearest other one: where the part ends
+  /// or begins, two faces meet, or one lies behind the other. Edges within 2 px of it are not told
+  /// from it. @return infinite where there is none within the reach
+  double free_px(const Eigen::Vector2d& at_px,
+                 const Eigen::Vector2d& normal,
+                 double reach_px) const;
+
   /// Mean of all its pixels, in the camera's frame; (0, 0, 1) where there are none.
   Eigen::Vector3d middle_mm() const;
 
@@ -57,6 +64,8 @@ class SimulatedSurface {
 
   Eigen::Vector3d in_camera_mm(int x, int y) const;
   double inverse_depth(const Eigen::Vector2d& at_px) const;
+  bool is_edge_between(const Eigen::Vector2d& first_px, const Eigen::Vector2d& second_px) const;
+  bool is_within(const Eigen::Vector2d& at_px) const;
 
   RigidTransform camera_from_scene_;
   std::vector<ImageF> channels_;

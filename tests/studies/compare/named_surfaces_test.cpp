@@ -120,6 +120,28 @@ class FoundSurfaces : public CompareFiles {
   static constexpr double kFocal_px = 10'000.0;
 };
 
+// A plate from pixel 20 on whose top meets a slope of 30 degrees at pixel 30, with something beside
+// it up to pixel 14; without both nothing is near its edge.
+TEST_F(FoundSurfaces, TellHowFarTheNextEdgeIs) {
+  const Vector3d slope = Vector3d(std::sin(0.5236), 0.0, std::cos(0.5236));
+  const auto plate = [&](double other_mm, double crease_mm) {
+    return seen([=](double x, double y) -> std::optional<PointWithNormal> {
+      if (x > other_mm && x < 2.0) {
+        return std::nullopt;
+      }
+      const double down_mm = std::max(0.0, x - crease_mm) * std::tan(0.5236);
+      return PointWithNormal{{x, y, 3.0 - down_mm}, x < crease_mm ? Vector3d::UnitZ() : slope};
+    });
+  };
+  const Eigen::Vector2d edge_px(20.0, 40.5);
+  const Eigen::Vector2d outside = -Eigen::Vector2d::UnitX();
+  const SimulatedSurface creased = plate(0.0, 3.0);
+  EXPECT_NEAR(creased.free_px(edge_px, outside, 18.0), 10.0, 1.0);
+  EXPECT_TRUE(std::isinf(creased.free_px(edge_px, outside, 8.0))) << "not within the reach";
+  EXPECT_NEAR(plate(1.4, 3.0).free_px(edge_px, outside, 18.0), 6.0, 1.0);
+  EXPECT_TRUE(std::isinf(plate(0.0, 20.0).free_px(edge_px, outside, 18.0)));
+}
+
 // A step of 1 mm, a roof of 30 degrees, and a cylinder that turns by 77 degrees to its limb.
 TEST_F(FoundSurfaces, EndAtStepsAndCreasesButNotWhereTheyBendSlowly) {
   const NamedSurfaces step =

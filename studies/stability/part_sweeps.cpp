@@ -25,6 +25,21 @@ double height_um(double diameter_mm, double slope) {
   return slope * diameter_mm / 4.0 * std::sqrt(std::exp(1.0)) * 1e3;
 }
 
+/// A plate is what it is with however narrow triangles.
+Sweep slivers() {
+  Sweep sweep{.name = "slivers",
+              .swept = "width of triangles of 95 mm, mm",
+              .title = "a plate as a mesh with ever narrower triangles",
+              .sets = {{"part.shape", "plate"},
+                       {"defects", "{}"},
+                       {"lighting.tunnel.slot_mm", "0"},
+                       {"lighting.tunnel.blocks_view", "false"}}};
+  for (const double width_mm : {1.0, 1e-2, 1e-4, 1e-6, 1e-9, 1e-12, 1e-14}) {
+    sweep.values.push_back({.value = width_mm, .sets = {}, .sliver_mm = width_mm});
+  }
+  return sweep;
+}
+
 Sweep dent_over_pixel() {
   Sweep sweep{.name = "dent_over_pixel",
               .swept = "defects.dent.diameter_mm / camera.object_pixel_mm",
@@ -265,6 +280,7 @@ std::vector<Sweep> part_sweeps() {
   std::vector<Sweep> sweeps = {
       dent_over_pixel(),
       facet_over_dent(),
+      slivers(),
       dent_slope("dent_slope_normal", "normal"),
       dent_slope("dent_slope_auto", "auto"),
       view_angle(),

@@ -12,6 +12,7 @@
 #include "simulator/sensor/sensor.h"
 #include "studies/definition/overrides.h"
 #include "studies/stability/reference/reference_scene.h"
+#include "studies/stability/sliver_plate.h"
 #include "studies/stability/stability_pairs.h"
 
 namespace glint::stability {
@@ -87,7 +88,7 @@ class Measuring {
       if (sweep.kind == Sweep::Kind::kWinner) {
         compare_pair(store, root, cell);
       } else {
-        compare_scene(store, sweep, root, cell);
+        compare_scene(store, sweep, value.sliver_mm, root, cell);
       }
     } catch (const ConfigError& error) {
       cell.verdict = Verdict::kRefused;
@@ -97,8 +98,10 @@ class Measuring {
     return cell;
   }
 
-  void compare_scene(SceneStore& store, const Sweep& sweep, const ConfigNode& root, Cell& cell) {
-    auto outcome = std::make_unique<Outcome>(evaluated(store, root));
+  void compare_scene(
+      SceneStore& store, const Sweep& sweep, double sliver_mm, const ConfigNode& root, Cell& cell) {
+    auto outcome = std::make_unique<Outcome>(
+        sliver_mm > 0.0 ? evaluated_with_slivers(store, root, sliver_mm) : evaluated(store, root));
     if (sweep.kind == Sweep::Kind::kBar) {
       cell.errors = errors_of_bar(*outcome, options_.bounds);
     } else if (sweep.kind == Sweep::Kind::kTunnel) {

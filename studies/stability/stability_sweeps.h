@@ -40,6 +40,7 @@ struct SweepValue {
   double value = 0.0;
   std::vector<KeyValue> sets;   ///< over those of the sweep
   std::string method = "auto";  ///< render.method
+  double sliver_mm = 0.0;       ///< > 0: the plate is a mesh with triangles as narrow as this
 };
 
 struct Sweep {

@@ -53,6 +53,20 @@ TEST(Sweeps, OfAnotherSceneAreRelativeToItsOwnSizes) {
   }
 }
 
+// Corners that are 1e-14 mm apart are the same to within the digits of 95 mm.
+TEST(Slivers, LeaveAPlateWhatItIs) {
+  std::vector<Sweep> sweeps = chosen_sweeps({"slivers"});
+  std::erase_if(sweeps[0].values,
+                [](const SweepValue& v) { return v.value != 1.0 && v.value > 1e-12; });
+  const Stability stability = measure_stability(sweeps, {});
+  EXPECT_EQ(stability.totals().right, 3);
+  for (const Cell& cell : stability.sweeps[0].cells) {
+    for (const CellError& error : cell.errors) {
+      EXPECT_LT(error.error, 0.2 * error.bound) << cell.value << " " << error.quantity;
+    }
+  }
+}
+
 TEST(Judge, CallsAnErrorBeyondItsBoundWrongUnlessItIsTold) {
   Outcome harmless;
   harmless.notes = {"24 positions"};

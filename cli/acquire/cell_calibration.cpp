@@ -83,16 +83,15 @@ std::string rounds_text(const Json& result) {
   if (result["status"] == "stopped") {
     return text + end_text(result["end"]);
   }
-  return text + fmt::format("{}: {} were asked for\n{}\n",
-                            status_text(result["status"].get<std::string>()),
-                            targets_text(result),
-                            result["calibration"].get<std::string>());
+  text += fmt::format("{}: {} were asked for\n",
+                      status_text(result["status"].get<std::string>()),
+                      targets_text(result));
+  return result["rounds"].empty() ? text : text + result["calibration"].get<std::string>() + "\n";
 }
 
 std::string placed_text(const Json& result) {
-  std::string text =
-      placement_text("base_from_part", result["base_from_part"], result["spread"]) +
-      fmt::format("part for scenes: {}\n", result["placement"].get<std::string>());
+  std::string text = placement_text("base_from_part", result["base_from_part"], result["spread"]) +
+                     fmt::format("part for scenes: {}\n", result["placement"].get<std::string>());
   for (const Json& note : result["notes"]) {
     text += "note: " + note.get<std::string>() + "\n";
   }
@@ -147,8 +146,8 @@ void add_part(const CellCalibrationArguments& arguments,
               const AcquireOptions& acquire,
               const MotionPermit& permit,
               Json& result) {
-  if (result.is_object() && result["status"] == "stopped") {
-    return;
+  if (result.is_object() && (result["status"] == "stopped" || result["rounds"].empty())) {
+    return;  // without a calibration the part's place means nothing
   }
   PlacePartOptions options = {.acquire = acquire,
                               .scene = arguments.part,

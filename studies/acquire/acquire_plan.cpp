@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <thread>
 
 #include <fmt/format.h>
 
+#include "core/thread_pool.h"
 #include "core/units.h"
 #include "hardware/planning/plan_check.h"
 #include "hardware/robot/path_check.h"
@@ -18,6 +20,7 @@
 #include "studies/cell_camera/cell_camera.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/path_lights.h"
+#include "studies/imaging/scene_picture.h"
 #include "studies/plan/plan_file.h"
 #include "studies/plan/scene_plan.h"
 #include "studies/reach/scene_cell.h"
@@ -108,6 +111,16 @@ std::size_t point_named(const Tour& tour, const PlannedView& view) {
   throw ConfigError(fmt::format("paths: none leads to the planned view {}", view.name));
 }
 
+/// By which a design multiplies the cell's exposure.
+double exposure_of(const SceneSettings& scene) {
+  if (scene.expose_to <= 0.0) {
+    return scene.sensor.exposure;
+  }
+  ThreadPool pool(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  SceneStore store(pool);
+  return with_equal_exposure(store, scene).sensor.exposure;
+}
+
 std::vector<ViewTask> tasks_of(const ViewPlan& views,
                                const Tour& tour,
                                const AcquireSource& source,
@@ -115,8 +128,10 @@ std::vector<ViewTask> tasks_of(const ViewPlan& views,
                                int num_positions) {
   std::vector<ViewTask> tasks;
   acquire_detail::ExpectedParts expected;
+  double exposure = 1.0;
   if (source.scene) {
     expected = acquire_detail::expected_parts(*source.scene, cell, views.views);
+    exposure = exposure_of(*source.scene);
   }
   for (std::size_t i = 0; i < views.views.size(); ++i) {
     const PlannedView& view = views.views[i];
@@ -132,8 +147,8 @@ std::vector<ViewTask> tasks_of(const ViewPlan& views,
     }
     if (source.scene) {
       task.lights = shining_lights(*source.scene);
-      task.exposure_us *= source.scene->sensor.exposure;
     }
+    task.exposure_us *= exposure;
     if (!expected.masks.empty()) {
       // The stripes of a scan may be less sharp than the part: its sequence is compared with
       // itself.

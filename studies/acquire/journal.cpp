@@ -68,8 +68,8 @@ bool has_digest(const fs::path& path, const std::string& sha256) {
 void check_plan(const fs::path& folder, const std::string& known, const std::string& digest) {
   if (!known.empty() && known != digest) {
     throw ConfigError(fmt::format(
-        "{}: holds pictures of another plan, cell, scene or prototype, or of lights at another "
-        "power; name another folder",
+        "{}: holds pictures of another plan, cell, scene or prototype, at another exposure, or of "
+        "lights at another power; name another folder",
         folder.string()));
   }
 }

@@ -2,11 +2,12 @@
 #include "studies/calibrate_cell/round_status.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace glint::calibrate_cell_detail {
 namespace {
 
-constexpr double kWorthIt = 0.9;  ///< of the error before: more, and another round is not worth it
+constexpr double kWorthIt = 0.9;  ///< of the error before: less is worth another round
 
 double share_of(double error, double target) {
   return target > 0.0 ? error / target : 0.0;
@@ -24,7 +25,9 @@ std::string status_after_round(int round, double missed, double before, int max_
   if (missed <= 1.0) {
     return "good";
   }
-  if (round > 1 && missed > kWorthIt * before) {
+  const double left = missed / before;
+  const bool is_reached = left < 1.0 && missed * std::pow(left, max_rounds - round) <= 1.0;
+  if (round > 1 && left > kWorthIt && !is_reached) {
     return "no_pose_helps";
   }
   return round >= max_rounds ? "most_rounds" : "";

@@ -177,12 +177,12 @@ std::vector<ObjectiveRanking> RankingSheet::rankings(std::size_t designs) const 
 
 std::string rankings_text(const std::vector<ObjectiveRanking>& rankings, bool is_explained) {
   std::string text;
-  bool is_held = !rankings.empty();
+  bool is_held = false;
   for (const ObjectiveRanking& by : rankings) {
     if (by.ranking) {
       text += ranking_text(*by.ranking, rankings.size() > 1 ? " by " + by.objective : "");
     }
-    is_held = is_held && by.ranking && by.ranking->agrees;
+    is_held = is_held || (by.ranking && by.ranking->agrees && !by.ranking->pairs.empty());
   }
   return is_held && !is_explained ? text + " Until the cause is set right it is not proven." : text;
 }

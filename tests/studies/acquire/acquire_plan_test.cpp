@@ -208,6 +208,27 @@ TEST_F(AcquirePlan, TakesTheExposureOfTheDesignTimesThatOfTheCell) {
   EXPECT_NE(longer.digest, work.digest);
 }
 
+// Then sensor.exposure means nothing: twice the light takes half the time.
+TEST_F(AcquirePlan, TakesTheExposureThatMakesKindsOfLightEquallyBright) {
+  const std::string scene = std::string(kSceneWithCamera) +
+                            "[material]\ntype = \"diffuse\"\nreflectance = [0.5]\n"
+                            "[camera]\nwidth_px = 40\nheight_px = 40\nobject_pixel_mm = 1\n"
+                            "[sensor]\nexpose_to = 0.9\nbits = 0\nfull_well_e = 0\n"
+                            "[render.paths]\nsamples = 4\nmax_reflections = 1\n"
+                            "[lighting.ring]\nmount = \"camera\"\nradiance = [1]\n";
+  const auto exposure_us = [&](const std::string& text) {
+    write_file(folder_ / "scene.toml", text);
+    AcquireSource source;
+    source.scene = load_study(folder_ / "scene.toml", {}).scene;
+    return work_of(source, cell_of(kCell), 0.5).plan.tasks[0].exposure_us;
+  };
+  const double one_us = exposure_us(scene);
+  EXPECT_GT(std::abs(one_us - 500.0), 1.0);
+  EXPECT_NEAR(
+      exposure_us(edited(scene, "radiance = [1]", "radiance = [2]")), 0.5 * one_us, 1e-3 * one_us);
+  EXPECT_EQ(exposure_us(edited(scene, "expose_to = 0.9", "expose_to = 0.9\nexposure = 2")), one_us);
+}
+
 /// A bar far beside the camera, and what else kSceneWithCamera needs for it.
 std::string scene_with_bar(const std::string& mount) {
   return fmt::format(

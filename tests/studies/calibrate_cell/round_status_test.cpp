@@ -20,6 +20,8 @@ TEST(RoundStatus, IsGoodWhereAllThatIsAskedForIsReached) {
 TEST(RoundStatus, EndsWhereRoundsHelpNoMoreOrAreUsedUp) {
   EXPECT_EQ(status_after_round(2, 1.5, 1.6, 4), "no_pose_helps");
   EXPECT_EQ(status_after_round(2, 1.5, 2.0, 4), "");
+  EXPECT_EQ(status_after_round(6, 1.1, 1.15, 20), "") << "a few rounds more would do";
+  EXPECT_EQ(status_after_round(6, 1.1, 1.15, 7), "no_pose_helps");
   EXPECT_EQ(status_after_round(4, 1.5, 2.0, 4), "most_rounds");
   EXPECT_EQ(status_after_round(4, 1.5, 2.0, 6), "");
 }

@@ -86,6 +86,21 @@ TEST(Ranking, OfDesignsWithoutACommonViewCannotBeTold) {
   EXPECT_TRUE(ranking.agrees);
 }
 
+// Beside an objective that has no real side, too.
+TEST(RankingsText, SaysThatAnOrderIsNotProvenWhereACauseIsLeft) {
+  const Ranking same = rank_designs({design("a", 3, 2.8), design("b", 5, 4.6)}, true);
+  const Ranking other = rank_designs({design("a", 3, 6), design("b", 5, 4.6)}, true);
+  const ObjectiveRanking none = {.objective = "area", .reason = "no real side"};
+  const auto with_cause = [](const std::vector<ObjectiveRanking>& rankings) {
+    return rankings_text(rankings, false);
+  };
+  const auto not_proven = testing::HasSubstr("not proven");
+  EXPECT_THAT(with_cause({{.objective = "cnr", .ranking = same}, none}), not_proven);
+  EXPECT_THAT(with_cause({{.objective = "cnr", .ranking = other}, none}), Not(not_proven));
+  EXPECT_EQ(with_cause({none}), "");
+  EXPECT_THAT(rankings_text({{.objective = "cnr", .ranking = same}}, true), Not(not_proven));
+}
+
 TEST(RankingSheet, TellsWhyThereIsNoOrder) {
   Study study;
   study.has_objective = true;

@@ -65,7 +65,7 @@ TrialErrors errors_of(const SimulatedCell& cell,
   return errors;
 }
 
-HandEyeCalibration calibrate(const SimulatedCell& cell) {
+HandEyeCalibration calibrated(const SimulatedCell& cell) {
   return calibrate_hand_eye(cell.pictures, cell.base_from_flange, cell_options(cell.settings));
 }
 
@@ -87,7 +87,7 @@ using Trial = std::map<std::string, TrialErrors>;
 
 Trial run_trial(const CellSettings& settings, std::uint64_t seed) {
   const SimulatedCell cell = simulate_cell(settings, seed);
-  const HandEyeCalibration own = calibrate(cell);
+  const HandEyeCalibration own = calibrated(cell);
   const Bound bound(cell);
   Trial trial;
   trial["glint"] = own.succeeded ? errors_of(cell, bound, own.lens, in_true_frame(cell, own))
@@ -138,7 +138,7 @@ using Held = std::optional<std::array<bool, 5>>;
 
 Held held_by(const CellSettings& settings, std::uint64_t seed, double sigma_factor) {
   const SimulatedCell cell = simulate_cell(settings, seed);
-  HandEyeCalibration own = calibrate(cell);
+  HandEyeCalibration own = calibrated(cell);
   own.covariance *= sigma_factor * sigma_factor;
   if (!own.succeeded) {
     return std::nullopt;

@@ -180,8 +180,8 @@ void add_stability_verb(CLI::App& app, CommandLine& line) {
       ->description("its scene takes the place of the built-in one (default: none)");
   add_out(*verb,
           arguments.study.out,
-          "folder for page and numbers (default out/<study name>/stability, without one "
-          "out/stability)");
+          "folder for page and numbers (default out/<study name>/stability, of --run "
+          "out/<study name>/stability_winner, without a study out/stability)");
   verb->add_option("--run", arguments.run, "does the winner of this run lose when disturbed?")
       ->type_name("DIR");
   verb->add_option("--sweep", arguments.sweeps, "this sweep alone")

@@ -209,6 +209,7 @@ int winner_command(const StabilityArguments& arguments, const CommonArguments& c
   const std::string study = study_of_folder(arguments.run);
   if (arguments.study.out.empty() && !study.empty()) {
     run.out = default_result_folder(study, ResultKind::kStability);
+    run.out.replace_filename("stability_winner");  // that of the sweeps is another one
   }
   const Json result = stability::winner_study(arguments.run, run);
   print_result(common, result, sweeps_text(result));

@@ -68,12 +68,16 @@ std::string than_text(const Json& best, const Json& worst, const std::string& un
                                                title);
 }
 
+bool has_curve(const Json& design) {
+  const Json& fit = design["fit"];
+  return !fit.is_null() && !fit["a90"]["value"].is_null();
+}
+
 /// "The dome finds nine of ten defects from 0.109 um on, 13 times smaller than under Two panels."
 std::string pod_sentence(const Json& pod) {
   std::vector<const Json*> fitted;
   for (const Json& design : pod["designs"]) {
-    const Json& fit = design["fit"];
-    if (!fit.is_null() && !fit["a90"]["value"].is_null()) {
+    if (has_curve(design)) {
       fitted.push_back(&design);
     }
   }
@@ -85,8 +89,11 @@ std::string pod_sentence(const Json& pod) {
   const std::string unit = pod["unit"];
   const double largest = largest_size(**best);
   if (a90_of(**best) > largest) {
-    return fmt::format(
-        "No lighting finds nine of ten defects of any size up to {} {}.", measured(largest), unit);
+    // Nobody draws a curve through hits alone: the lighting may find all.
+    return fmt::format("No lighting{} finds nine of ten defects of any size up to {} {}.",
+                       fitted.size() < pod["designs"].size() ? " with a curve" : "",
+                       measured(largest),
+                       unit);
   }
   return fmt::format("{} finds nine of ten defects from {} {} on{}.",
                      (**best)["title"].get<std::string>(),

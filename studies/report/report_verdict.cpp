@@ -308,10 +308,10 @@ bool gains_on(const Json& data, const Json& other, const Json& design) {
   for (const Wording& wording : objectives_of(data)) {
     const auto value = wording.value(design);
     const auto there = wording.value(other);
-    if (value && there && wording.is_better(*there, *value)) {
+    if (!value || (there && wording.is_better(*there, *value))) {
       return false;
     }
-    is_gain = is_gain || (value && there && is_ahead(other, design, wording));
+    is_gain = is_gain || (there && is_ahead(other, design, wording));
   }
   return is_gain;
 }

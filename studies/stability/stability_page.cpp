@@ -26,13 +26,16 @@ double seconds_since(Clock::time_point start) {
 }
 
 /// Refuses before any work is done.
-void check_folder(const Study* study, const std::filesystem::path& out) {
+/// @param earlier  what earlier versions called the study
+void check_folder(const Study* study,
+                  const std::filesystem::path& out,
+                  const std::string& earlier = "") {
   const std::vector<std::string> names = {"stability.json", "stability.html", "run.json"};
   if (study != nullptr) {
     check_inputs_kept(input_files(*study), out, names);
   }
   check_result_folder(out, ResultKind::kStability, names);
-  if (study != nullptr) {
+  if (study != nullptr && (earlier.empty() || study_of_folder(out) != earlier)) {
     check_study_of_folder(out, study->name);
   }
 }
@@ -153,10 +156,11 @@ Json stability_study(const Study* study,
 Json winner_study(const std::filesystem::path& folder, const StabilityRun& run) {
   const auto start = Clock::now();
   RunnersUp found = runners_up(folder);
+  const std::string of_its_file = found.study.name;
   if (const std::string name = study_of_folder(folder); !name.empty()) {
     found.study.name = name;  // the run's own study has that of its file in the folder
   }
-  check_folder(&found.study, run.out);
+  check_folder(&found.study, run.out, of_its_file);
   { const OutputFolder probe(run.out); }  // as above
   Progress bar("stability of the winner", count_winner_cells(found), run.progress);
   const Stability stability = measure_winner(

@@ -90,8 +90,9 @@ std::string robust_text(const Json& robust) {
 
 Json score_table(const std::string& caption, const std::string& design, const Json& scores) {
   Json rows = Json::array();
-  for (const auto& [name, one] : scores.items()) {
+  for (const auto& [name, figures] : scores.items()) {
     const Wording wording = Wording::of_score(name);
+    const Json& one = figures;
     const auto text = [&](const char* figure) { return number_text(one[figure], wording); };
     rows.push_back({wording.label(),
                     text("nominal"),

@@ -158,7 +158,11 @@ nlohmann::ordered_json rescored(const std::filesystem::path& folder,
 // The lights of the best design are nearly dead on the robot, those of the other one are not.
 TEST(RescoreDesigns, TellWhomTheRefitLiftsAboveTheWinner) {
   const TemporaryFolder folder;
-  const Study study = coarse_run(folder.path(), kTrialStudy);
+  std::string tables(kTrialStudy);
+  const std::string cnr = "\"defects.min_cnr\"";
+  ASSERT_NE(tables.find(cnr), std::string::npos);
+  tables.replace(tables.find(cnr), cnr.size(), "\"homogeneity.mean\"");  // hardly noisy
+  const Study study = coarse_run(folder.path(), tables);
   const auto same = rescored(folder.path(), study);
   EXPECT_EQ(same["changed"], false);
   EXPECT_EQ(same["order_before"], same["order_after"]);
@@ -173,7 +177,7 @@ TEST(RescoreDesigns, TellWhomTheRefitLiftsAboveTheWinner) {
   EXPECT_THAT(dead["text"].get<std::string>(), testing::HasSubstr("takes the place of " + winner));
 }
 
-// Two designs that are nearly the same: the refit darkens the better one by a thousandth, which the
+// Two designs that are nearly the same: the refit darkens the better one by a little, which the
 // noise of two samples a pixel hides.
 TEST(RescoreDesigns, CannotTellByLessThanTheNoiseOfRendering) {
   const TemporaryFolder folder;
@@ -188,7 +192,7 @@ TEST(RescoreDesigns, CannotTellByLessThanTheNoiseOfRendering) {
     return rescore_designs(store, study, folder / "run", {"ring", "twin"}, refit);
   };
   const std::string winner = with({})["winner_before"].get<std::string>();
-  const auto near = with({.exposures = {{winner, 0.999}}});
+  const auto near = with({.exposures = {{winner, 0.97}}});
   ASSERT_NE(near["order_after"][0], winner) << near;
   EXPECT_TRUE(near["changed"].is_null()) << near;
   EXPECT_EQ(near["untold"], near["order_after"][0]);

@@ -221,6 +221,7 @@ TEST(Validate, TellsWhyDesignsAreNotRanked) {
              {"ring", "dome"},
              1,
              prototypes +
+                 "[variables]\n\"lighting.ring.radiance.0\" = { min = 0.1, max = 4 }\n"
                  "[[objective]]\nmaximise = \"defects.min_cnr\"\n"
                  "[[objective]]\nminimise = \"lighting.area_mm2\"\n");
   const fs::path run = folder.path() / "run";

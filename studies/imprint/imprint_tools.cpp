@@ -117,8 +117,8 @@ Json preview_tools(const Study& study, const ImprintOptions& options) {
   Json result = {{"schema", 1}, {"status", "done"}, {"name", study.name}};
   {
     StagedFolder stage(options.out, "");
-    write_tools(tools, stage.path(), result, pool);
     mark_result_folder(stage.path(), ResultKind::kTools, study.name);
+    write_tools(tools, stage.path(), result, pool);
     stage.commit();
   }
   folder.keep();

@@ -168,7 +168,7 @@ void warn_of_known_camera(const CameraCalibration& camera, std::vector<std::stri
   const Bundle free = freed(camera.bundle);
   const double known_px = rms_of_views_px(camera.bundle);
   const double free_px = rms_of_views_px(free);
-  if (num_shared(camera.bundle) == 0 && free_px * free_px < 0.5 * known_px * known_px) {
+  if (num_shared(camera.bundle) == 0 && free_px < 0.5 * known_px) {
     warnings.push_back(
         fmt::format("--camera: its numbers do not fit these pictures: they leave {:.3g} px (rms), "
                     "with other focal lengths, centre and k1 {:.3g} px would be left",

@@ -96,7 +96,7 @@ std::string sliver_plate_obj(const PartSettings& plate, double sliver_mm) {
 Outcome evaluated_with_slivers(SceneStore& store, const ConfigNode& root, double sliver_mm) {
   const PartSettings plate = part_of(root);
   const ScratchFolder folder("a mesh of a plate");
-  const std::filesystem::path file = folder.path() / "plate.obj";
+  const std::filesystem::path file = folder.path() / fmt::format("plate_{}.obj", sliver_mm);
   write_file(file, sliver_plate_obj(plate, sliver_mm));
   ConfigNode meshed = root;
   put_set(meshed,

@@ -123,7 +123,7 @@ TEST(BaseFromFlange, NeedsThePartsPlaceAndSaysWhich) {
       read_text(std::string(kView) + kCameraOnFlange).first(),
       "scene.toml:2:12: viewpoint.0.base_from_flange: needs [cell.base_from_part]: the camera "
       "is on the flange, and where the part lies in the frame of the robot's base is not "
-      "told");
+      "given");
   EXPECT_THAT(read_text(std::string(kView) + kCameraOnFlange + kOnPart).first(),
               HasSubstr("needs [cell.base_from_part]"));
   EXPECT_THAT(read_text(std::string(kView) + kBeside + kInCell).first(),

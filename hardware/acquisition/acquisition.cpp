@@ -115,9 +115,9 @@ class Acquisition {
       look_for_interrupt();
       TakenPicture picture = {.task = index, .position = position, .attempt = attempt};
       take_picture(picture);
-      const double most_blur_px = most_blur_of(picture);
-      picture.figures = figures_of(picture.frame, plan_.tasks[index].expected, most_blur_px > 0.0);
-      picture.reason = rejection_of(picture.figures, options_.limits, sharpest, most_blur_px);
+      const double max_blur_px = max_blur_of(picture);
+      picture.figures = figures_of(picture.frame, plan_.tasks[index].expected, max_blur_px > 0.0);
+      picture.reason = rejection_of(picture.figures, options_.limits, sharpest, max_blur_px);
       if (picture.reason.empty()) {
         sharpest = std::max(sharpest, picture.figures.sharpness);
         if (std::exchange(is_first_held_, false)) {
@@ -132,7 +132,7 @@ class Acquisition {
     }
   }
 
-  double most_blur_of(const TakenPicture& picture) const {
+  double max_blur_of(const TakenPicture& picture) const {
     return blur_limit_px(options_.limits, plan_.tasks[picture.task].expected.blur_px);
   }
 
@@ -156,7 +156,7 @@ class Acquisition {
     }
     TakenPicture first = std::move(*first_);
     first_.reset();
-    first.reason = rejection_of(first.figures, options_.limits, sharpest, most_blur_of(first));
+    first.reason = rejection_of(first.figures, options_.limits, sharpest, max_blur_of(first));
     keep(first);
     if (!first.is_accepted) {
       take_position(first.task, first.position, first.attempt + 1, sharpest);

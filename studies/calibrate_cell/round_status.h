@@ -28,9 +28,8 @@ double missed_by(const RoundErrors& errors, const RoundTargets& targets);
 /// @param round   counted from 1
 /// @param missed  missed_by() after it
 /// @param before  the same after the round before it
-/// @return "good", "no_pose_helps" (better by less than a tenth, and as much again in each round
-/// that
-///         is left would not do), "most_rounds"; empty: another round is to follow
+/// @return "good", "no_pose_helps" (better by less than a tenth, which would not do in all rounds
+///         that are left either), "most_rounds"; empty: another round is to follow
 std::string status_after_round(int round, double missed, double before, int max_rounds);
 
 }  // namespace glint::calibrate_cell_detail

@@ -24,25 +24,15 @@
 
 #include "core/config/keys.h"
 #include "hardware/acquisition/picture_check.h"
+#include "hardware/camera/pixel_format.h"
 #include "hardware/robot/ur_settings.h"
 #include "studies/cell/cell_planning.h"
 #include "studies/cell/cell_stage.h"
 
 namespace glint {
 
-enum class CellPixelFormat {
-  kMono8,
-  kMono10,
-  kMono12,
-  kMono16,
-  kMono10Packed,
-  kMono12Packed,
-  kMono10p,
-  kMono12p
-};
-
-/// In the order of CellPixelFormat.
-inline constexpr std::array<std::string_view, 8> kCellPixelFormats = {
+/// As the file spells them, in the order of PixelFormat.
+inline constexpr std::array<std::string_view, kPixelFormats.size()> kCellPixelFormats = {
     "mono8", "mono10", "mono12", "mono16", "mono10_packed", "mono12_packed", "mono10p", "mono12p"};
 
 /// A feature by the camera's own name for it, as the file has it: "LineSelector" = "Line1".
@@ -55,7 +45,7 @@ struct CellFeature {
 struct CellCamera {
   std::string id;       ///< empty: the only one that answers, or that of the address
   std::string address;  ///< IPv4; empty: found by id
-  CellPixelFormat pixel_format = CellPixelFormat::kMono8;
+  PixelFormat pixel_format = PixelFormat::kMono8;
   double exposure_s = 0.01;
   std::optional<double> gain_db;   ///< neither: as the camera has it
   std::optional<double> gain_raw;  ///< of a camera whose gain is in steps of its own

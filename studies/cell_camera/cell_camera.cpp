@@ -28,15 +28,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-constexpr std::array<PixelFormat, kCellPixelFormats.size()> kFormats = {PixelFormat::kMono8,
-                                                                        PixelFormat::kMono10,
-                                                                        PixelFormat::kMono12,
-                                                                        PixelFormat::kMono16,
-                                                                        PixelFormat::kMono10Packed,
-                                                                        PixelFormat::kMono12Packed,
-                                                                        PixelFormat::kMono10p,
-                                                                        PixelFormat::kMono12p};
-
 std::string moment_with_place(std::chrono::system_clock::time_point moment) {
   const auto since = moment.time_since_epoch();
   const auto seconds = std::chrono::floor<std::chrono::seconds>(since);
@@ -214,7 +205,7 @@ Json list_cameras() {
 
 CameraConfiguration camera_configuration_of(const CellCamera& camera) {
   CameraConfiguration configuration;
-  configuration.format = kFormats.at(static_cast<std::size_t>(camera.pixel_format));
+  configuration.format = camera.pixel_format;
   configuration.exposure_us = 1e6 * camera.exposure_s;
   configuration.gain_db = camera.gain_db;
   configuration.gain_raw = camera.gain_raw;

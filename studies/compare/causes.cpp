@@ -12,6 +12,7 @@
 #include "metrics/overlap/boundary_distance.h"
 #include "metrics/overlap/outline_motion.h"
 #include "studies/compare/camera/scene_camera.h"
+#include "studies/compare/grey_sums.h"
 #include "studies/compare/refined_scene.h"
 #include "studies/compare/roughness_cause.h"
 #include "studies/compare/surface/placed_edges.h"
@@ -169,36 +170,6 @@ ToldCause told(const FoundCause& found) {
   }
   return cause;
 }
-
-/// Sums over the pixels that an exposure was matched over: not clipped in either picture.
-struct GreySums {
-  double pixels = 0.0;
-  double simulated = 0.0;
-  double real = 0.0;
-  double simulated_squares = 0.0;
-  double real_squares = 0.0;
-  double products = 0.0;
-  double differences = 0.0;  ///< of squares
-
-  void add(double simulated_grey, double real_grey) {
-    pixels += 1.0;
-    simulated += simulated_grey;
-    real += real_grey;
-    simulated_squares += simulated_grey * simulated_grey;
-    real_squares += real_grey * real_grey;
-    products += simulated_grey * real_grey;
-    differences += (real_grey - simulated_grey) * (real_grey - simulated_grey);
-  }
-
-  /// With the means taken out, as a match with an offset does.
-  GreySums centred() const {
-    GreySums sums = *this;
-    sums.simulated_squares -= simulated * simulated / pixels;
-    sums.real_squares -= real * real / pixels;
-    sums.products -= simulated * real / pixels;
-    return sums;
-  }
-};
 
 GreySums grey_sums(const ComparedPair& pair) {
   const auto is_inside = [](double grey) { return grey > 0.0 && grey < 1.0; };

@@ -56,10 +56,6 @@ Sweep blur_over_stripe(const SweptScene& scene) {
   return sweep;
 }
 
-std::vector<KeyValue> quiet_wall() {
-  return {{"lighting.tunnel.slot_mm", "0"}, {"lighting.tunnel.blocks_view", "false"}};
-}
-
 /// The strip's edge is 22.4 mm from the tunnel's axis.
 Sweep wall_over_part() {
   Sweep sweep{.name = "wall_over_part",

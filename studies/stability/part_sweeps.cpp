@@ -30,10 +30,9 @@ Sweep slivers() {
   Sweep sweep{.name = "slivers",
               .swept = "width of triangles of 95 mm, mm",
               .title = "a plate as a mesh with ever narrower triangles",
-              .sets = {{"part.shape", "plate"},
-                       {"defects", "{}"},
-                       {"lighting.tunnel.slot_mm", "0"},
-                       {"lighting.tunnel.blocks_view", "false"}}};
+              .sets = quiet_wall()};
+  sweep.sets.push_back({"part.shape", "plate"});
+  sweep.sets.push_back({"defects", "{}"});
   for (const double width_mm : {1.0, 1e-2, 1e-4, 1e-6, 1e-9, 1e-12, 1e-14}) {
     sweep.values.push_back({.value = width_mm, .sets = {}, .sliver_mm = width_mm});
   }

@@ -100,6 +100,10 @@ std::string number_text(double value) {
   return shortest(value);
 }
 
+std::vector<KeyValue> quiet_wall() {
+  return {{"lighting.tunnel.slot_mm", "0"}, {"lighting.tunnel.blocks_view", "false"}};
+}
+
 std::vector<SweepValue> key_values(const std::string& key,
                                    const std::vector<double>& values,
                                    const std::string& method) {

@@ -67,6 +67,9 @@ std::vector<Sweep> all_sweeps(const SweptScene& scene = {});
 /// "0.5", "1e+06": a number as a study file takes it.
 std::string number_text(double value);
 
+/// A tunnel without a slot, through which the camera looks all the same.
+std::vector<KeyValue> quiet_wall();
+
 /// One key at several values, each by the same method.
 std::vector<SweepValue> key_values(const std::string& key,
                                    const std::vector<double>& values,

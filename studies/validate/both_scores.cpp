@@ -8,6 +8,7 @@
 
 #include "metrics/aspect_image/defect_scores.h"
 #include "simulator/sensor/rounding.h"
+#include "studies/compare/grey_sums.h"
 #include "studies/imaging/scene_picture.h"
 
 namespace glint {
@@ -57,54 +58,33 @@ class RealPicture : public ScenePicture {
   std::vector<double> ratios_;
 };
 
-constexpr std::size_t kMostViews = 3;
-constexpr double kLeastCompared = 200.0;  ///< pixels
+constexpr std::size_t kMaxExposureViews = 3;
+constexpr double kMinCompared = 200.0;  ///< pixels
 constexpr double kUnclipped = 0.98;
 constexpr double kAlikePixels = 9.0;  ///< neighbours whose differences count as one
 
-/// Sums over pixels that both sides show.
-struct ComparedGrey {
-  double pixels = 0.0;
-  double simulated = 0.0;
-  double real = 0.0;
-  double simulated_squares = 0.0;
-  double real_squares = 0.0;
-  double products = 0.0;
-  double step = 0.0;  ///< of the camera's grey values, the largest
+/// Standard error of real over simulated grey by what that exposure leaves.
+double exposure_sigma(const GreySums& sums) {
+  const double e = sums.real / sums.simulated;
+  const double left = sums.real_squares - 2.0 * e * sums.products + e * e * sums.simulated_squares;
+  return std::sqrt(kAlikePixels * std::max(0.0, left)) / sums.simulated;
+}
 
-  double exposure() const { return real / simulated; }
-
-  /// Standard error of exposure() by what it leaves.
-  double exposure_sigma() const {
-    const double e = exposure();
-    const double left = real_squares - 2.0 * e * products + e * e * simulated_squares;
-    return std::sqrt(kAlikePixels * std::max(0.0, left)) / simulated;
-  }
-};
-
-void add_compared(SceneStore& store, const GreyView& view, ComparedGrey& sums) {
+void add_compared(SceneStore& store, const GreyView& view, GreySums& sums) {
   const auto picture = picture_of(store, view.scene, {.has_flawless = false});
   const MeanImage simulated = picture->mean({});
   const Mask& region = picture->traced()->region.mask;
   for (std::size_t i = 0; i < region.size(); ++i) {
     const auto real = static_cast<double>(view.real.values()[i]);
     const bool is_clipped = simulated.clipped_frames.values()[i] != 0 || real >= kUnclipped;
-    if (region.values()[i] == 0 || is_clipped) {
-      continue;
+    if (region.values()[i] != 0 && !is_clipped) {
+      sums.add(static_cast<double>(simulated.aspect.values()[i]), real);
     }
-    const auto expected = static_cast<double>(simulated.aspect.values()[i]);
-    sums.pixels += 1.0;
-    sums.simulated += expected;
-    sums.real += real;
-    sums.simulated_squares += expected * expected;
-    sums.real_squares += real * real;
-    sums.products += expected * real;
   }
-  sums.step = std::max(sums.step, view.step);
 }
 
 /// A camera that shows nothing is not infinitely far off.
-constexpr double kLeastExposure = 1e-6;
+constexpr double kMinExposure = 1e-6;
 
 }  // namespace
 
@@ -128,25 +108,27 @@ BothScores scores_of_both(SceneStore& store,
 
 GreyFit fit_exposure(SceneStore& store, const GreyDesign& design) {
   GreyFit fit = {.is_exposure_only = true};
-  ComparedGrey sums;
-  const std::size_t count = std::min(design.views.size(), kMostViews);
+  GreySums sums;
+  double step = 0.0;  // of the camera's grey values, the largest
+  const std::size_t count = std::min(design.views.size(), kMaxExposureViews);
   for (std::size_t i = 0; i < count; ++i) {
-    add_compared(store, design.views[i * design.views.size() / count], sums);
+    const GreyView& view = design.views[i * design.views.size() / count];
+    add_compared(store, view, sums);
+    step = std::max(step, view.step);
     ++fit.renders;
   }
-  if (sums.pixels < kLeastCompared || sums.simulated <= 0.0) {
+  if (sums.pixels < kMinCompared || sums.simulated <= 0.0) {
     return fit;
   }
   const double grey = sums.simulated / sums.pixels;
   const SensorSettings& sensor = design.views.front().scene.sensor;
   fit.is_known = true;
   fit.faults = {GreyFault::kExposure};
-  fit.change.exposure = std::max(sums.exposure(), kLeastExposure);
-  fit.values = {{.fault = GreyFault::kExposure,
-                 .value = fit.change.exposure,
-                 .sigma = sums.exposure_sigma()}};
+  fit.change.exposure = std::max(sums.real / sums.simulated, kMinExposure);
+  fit.values = {
+      {.fault = GreyFault::kExposure, .value = fit.change.exposure, .sigma = exposure_sigma(sums)}};
   fit.before = std::abs(1.0 - 1.0 / fit.change.exposure);
-  fit.rounding = largest_rounding_bias(grey_noise(sensor, grey), sums.step) / grey;
+  fit.rounding = largest_rounding_bias(grey_noise(sensor, grey), step) / grey;
   return fit;
 }
 

@@ -20,6 +20,7 @@
 #include "studies/compare/compare_page.h"
 #include "studies/compare/compare_result.h"
 #include "studies/compare/compared_pair.h"
+#include "studies/compare/earlier_pairs.h"
 #include "studies/compare/geometry_passes.h"
 #include "studies/compare/inspected_pair.h"
 #include "studies/compare/refined_scene.h"
@@ -44,10 +45,6 @@ fs::path default_folder(const CompareInputs& inputs) {
   const std::string name =
       whole.filename().empty() ? whole.parent_path().filename().string() : whole.stem().string();
   return default_result_folder(name.empty() ? "comparison" : name, ResultKind::kCompare);
-}
-
-std::string folder_of(std::size_t index) {
-  return fmt::format("pair_{:02d}", index + 1);
 }
 
 /// A pair and why its pictures differ.
@@ -83,8 +80,9 @@ class CompareRun {
     compare_all(stage.path());
     Json result = result_json();
     write_all(stage.path(), result);
+    const std::vector<fs::path> stale = stale_files(out_, stage.path());
     stage.commit();
-    remove_stale_scene();
+    remove_stale_files(out_, stale);
     folder.keep();
     result["report"] = (out_ / "report.html").string();
     result["folder"] = out_.string();
@@ -118,9 +116,11 @@ class CompareRun {
   void check_folder() const {
     std::vector<std::string> names = {"result.json", "report.html", "run.json", "refined.toml"};
     for (std::size_t i = 0; i < plan_.pairs.size(); ++i) {
-      names.push_back(folder_of(i));
+      names.push_back(pair_folder(i));
     }
     check_result_folder(out_, ResultKind::kCompare, names);
+    const std::vector<std::string> earlier = earlier_pairs(out_);  // removed or replaced
+    names.insert(names.end(), earlier.begin(), earlier.end());
     std::vector<fs::path> inputs = {
         options_.mask, options_.inputs.pairs, options_.calibration, options_.scene};
     for (const ComparePair& pair : plan_.pairs) {
@@ -139,7 +139,7 @@ class CompareRun {
       std::vector<Explained> compared = compared_from(begin, std::min(at_once, count - begin));
       for (std::size_t i = 0; i < compared.size(); ++i) {
         add_roughness_to(compared[i]);
-        keep(compared[i], stage / folder_of(begin + i));
+        keep(compared[i], stage / pair_folder(begin + i));
         bar.update(static_cast<std::int64_t>(begin + i + 1), compared[i].pair.real.source.name);
       }
     }
@@ -216,14 +216,6 @@ class CompareRun {
   /// Of all views together; nothing where one of the pairs says nothing of its view.
   std::optional<SceneSettings> joint_scene() const {
     return views_.size() == plan_.pairs.size() ? jointly_refined(views_) : std::nullopt;
-  }
-
-  /// One that an earlier comparison left would be of other pictures.
-  void remove_stale_scene() const {
-    if (!joint_) {
-      std::error_code ignored;
-      fs::remove(out_ / "refined.toml", ignored);
-    }
   }
 
   /// What `--refine` has written of several pairs.

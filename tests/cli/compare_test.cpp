@@ -178,6 +178,31 @@ TEST_F(ComparedDesign, HasNamedEdgesAndCauses) {
   EXPECT_GT(run["timings"]["render_s"].get<double>(), 0.0);
 }
 
+// What is not written again would be of other pictures; a person's file stays, with its folder.
+TEST_F(ComparedDesign, LeavesNothingOfAnEarlierComparison) {
+  const std::string real = "photo/baseline/image.tif";
+  const auto has = [&](const char* name) {
+    return std::filesystem::exists(folder_ / "out" / name);
+  };
+  json_of(folder_, {"compare", "run/winner", real, "--refine", "--out", "out"});
+  ASSERT_TRUE(has("pair_01/refined.toml"));
+  json_of(folder_, {"compare", "run/winner", real, real, real, "--out", "out"});
+  EXPECT_FALSE(has("pair_01/refined.toml"));
+  ASSERT_TRUE(has("pair_02/overlay.png"));
+  ASSERT_TRUE(has("pair_03/difference.exr"));
+  write_file(folder_ / "out/pair_03/mine.txt", "notes");
+  const ProgramResult refused = glint_in(
+      folder_, {"compare", "run/winner", "out/pair_03/simulated.png", "--quiet", "--out", "out"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("lies where results are written"));
+  json_of(folder_, {"compare", "run/winner", real, "--out", "out"});
+  EXPECT_TRUE(has("pair_01/overlay.png"));
+  EXPECT_FALSE(has("pair_02"));
+  EXPECT_FALSE(has("pair_03/overlay.png"));
+  EXPECT_FALSE(has("pair_03/difference.exr"));
+  EXPECT_TRUE(has("pair_03/mine.txt"));
+}
+
 TEST_F(ComparedDesign, SaysWhyItHasNoGeometry) {
   const auto scene = folder_ / "run/winner/scene.toml";
   write_file(scene, edited(read_file(scene), {{"width_px = 120", "width_px = 124"}}));

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/compare/earlier_pairs.h"
+
+#include <array>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "studies/output/result_folder.h"
+#include "studies/output/staged_folder.h"
+
+namespace glint {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kRefined = "refined.toml";
+constexpr auto kPairFiles =
+    std::to_array<const char*>({"overlay.png", "simulated.png", "difference.exr", kRefined});
+
+bool is_pair_folder(const std::string& name) {
+  constexpr std::string_view kBegin = "pair_";
+  return name.starts_with(kBegin) && name.size() >= kBegin.size() + 2 &&
+         name.find_first_not_of("0123456789", kBegin.size()) == std::string::npos;
+}
+
+}  // namespace
+
+std::string pair_folder(std::size_t index) {
+  return fmt::format("pair_{:02d}", index + 1);
+}
+
+std::vector<std::string> earlier_pairs(const fs::path& out) {
+  std::vector<std::string> names;
+  if (result_kind_of(out) != ResultKind::kCompare) {
+    return names;
+  }
+  std::error_code ignored;
+  for (const fs::path& entry : sorted_entries(out)) {
+    if (is_pair_folder(entry.filename().string()) && fs::is_directory(entry, ignored)) {
+      names.push_back(entry.filename().string());
+    }
+  }
+  return names;
+}
+
+std::vector<fs::path> stale_files(const fs::path& out, const fs::path& stage) {
+  std::vector<fs::path> stale;
+  if (result_kind_of(out) != ResultKind::kCompare) {
+    return stale;
+  }
+  const auto add = [&](const fs::path& file) {
+    std::error_code ignored;
+    if (fs::is_regular_file(out / file, ignored) && !fs::exists(stage / file, ignored)) {
+      stale.push_back(file);
+    }
+  };
+  add(kRefined);
+  for (const std::string& pair : earlier_pairs(out)) {
+    for (const char* name : kPairFiles) {
+      add(fs::path(pair) / name);
+    }
+  }
+  return stale;
+}
+
+void remove_stale_files(const fs::path& out, std::span<const fs::path> stale) {
+  std::error_code ignored;
+  for (const fs::path& file : stale) {
+    fs::remove(out / file, ignored);
+    if (file.has_parent_path()) {
+      fs::remove(out / file.parent_path(), ignored);  // stays where it is not empty
+    }
+  }
+}
+
+}  // namespace glint

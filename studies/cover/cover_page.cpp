@@ -23,6 +23,16 @@ std::string place_text(const Json& place) {
                      place[2].get<double>());
 }
 
+/// How the views were chosen, as the end of a sentence.
+std::string choice_text(const Json& choice) {
+  if (choice["proven"].get<bool>()) {
+    return "; no other choice of as many inspects more";
+  }
+  return choice["method"] == "greedy"
+             ? ", one after the other, each that which adds most"
+             : " by branch and bound, which ended before all better choices were ruled out";
+}
+
 std::vector<std::string> details(const Json& result) {
   std::vector<std::string> lines;
   if (const Json& gap = result["largest_gap"]; !gap.is_null()) {
@@ -43,11 +53,9 @@ std::vector<std::string> details(const Json& result) {
   }
   if (result.contains("choice")) {
     const Json& choice = result["choice"];
-    const bool is_proven = choice["proven"].get<bool>();
     lines.push_back(fmt::format("The views were chosen from {} candidates{}.",
                                 choice["candidates"].get<int>(),
-                                is_proven ? "; no other choice of as many inspects more"
-                                          : ", one after the other, each that which adds most"));
+                                choice_text(choice)));
   }
   if (!result["has_light"].get<bool>()) {
     lines.emplace_back("Brightness was not looked at: this is what geometry allows.");

@@ -15,6 +15,7 @@
 #include "core/text.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
 #include "studies/cover/cover_json.h"
+#include "studies/cover/cover_page.h"
 #include "studies/cover/cover_run.h"
 #include "tests/support/page_data.h"
 #include "tests/support/temporary_folder.h"
@@ -198,6 +199,21 @@ TEST_F(CoverStudy, ChoosesAmongItsViews) {
   EXPECT_EQ(result["choice"]["proven"], true);
   EXPECT_NEAR(result["c1"].get<double>(), 2400.0 / 5200.0, 1e-3);
   EXPECT_THAT(read_file(folder_ / "out/views.csv"), HasSubstr("\nview_02,"));
+}
+
+// Branch and bound that was cut short was no greedy choice.
+TEST_F(CoverStudy, SaysHowItsViewsWereChosen) {
+  Json result = cover(std::string(kPlate) + "choose = 1\nchoice = \"exact\"\n");
+  const auto details = [&] {
+    return test::page_data(
+               cover_page({.result = result, .legend = {}, .pictures = {}}))["verdict"]["details"]
+        .dump();
+  };
+  EXPECT_THAT(details(), HasSubstr("no other choice of as many inspects more"));
+  result["choice"]["proven"] = false;
+  EXPECT_THAT(details(), HasSubstr("by branch and bound, which ended before"));
+  result["choice"]["method"] = "greedy";
+  EXPECT_THAT(details(), HasSubstr("one after the other, each that which adds most"));
 }
 
 // a90 of 2 mm where a pixel was 0.2 mm: 4 mm where one is 0.4 mm, more than 3 pixels.

@@ -63,7 +63,9 @@ class MirrorPlaces {
     }
     const auto positions = static_cast<double>(shifts_mm_.size());
     result.lit_share /= positions;
-    result.mean = result.mean / positions + dark_grey(scene_.sensor);
+    const double dark = dark_grey(scene_.sensor);
+    result.mean = result.mean / positions + dark;
+    result.darkest += dark;
     return result;
   }
 
@@ -166,7 +168,9 @@ class PicturedPlaces {
       result.mean += grey / static_cast<double>(frames_.size());
       result.darkest = &frame == frames_.data() ? grey : std::min(result.darkest, grey);
     }
-    result.mean += dark_grey(sensor_);
+    const double dark = dark_grey(sensor_);
+    result.mean += dark;
+    result.darkest += dark;
     return result;
   }
 

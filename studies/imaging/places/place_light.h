@@ -21,7 +21,8 @@ struct SeenPlace {
   Eigen::Vector2d pixel_px = Eigen::Vector2d::Zero();
 };
 
-/// Grey values are shares of full scale, without noise, before clipping.
+/// Grey values are shares of full scale, without noise, before clipping; the dark
+/// signal is in them.
 struct PlaceLight {
   double mean = 0.0;     ///< over the frames
   double darkest = 0.0;  ///< of the frames: at full scale there is none that shows anything

@@ -77,6 +77,11 @@ TEST(LightOfPlaces, OfAMirrorHasTheMeanOfTheStripes) {
   EXPECT_NEAR(lights[0].mean, 0.4, 1e-6);
   EXPECT_EQ(lights[0].darkest, 0.0);
   EXPECT_FALSE(lights[0].is_hidden);
+  scene.sensor.full_well_e = 10000.0;
+  scene.sensor.dark_e = 500.0;
+  const auto on_dark = light_of(scene, {place_at(scene, {3.1, 15.0, 0.0})});
+  EXPECT_NEAR(on_dark[0].mean, 0.45, 1e-6);
+  EXPECT_NEAR(on_dark[0].darkest, 0.05, 1e-12);
 }
 
 // The same rays of rough metal are spread over the wall beside the slot and beyond its ends: it is
@@ -172,6 +177,21 @@ TEST(CoverScene, OfAMirrorIsNotClippedWhereSomeFramesAreDark) {
   scene.tunnel.duty = 0.999;
   scene.coverage.min_lit_share = 1.0;
   EXPECT_GT(share_of(CellState::kClipped), 0.1);
+}
+
+// Light at 0.9 of full scale is not clipped, on a dark signal of 0.1 it is.
+TEST(CoverScene, OfALightOnADarkSignalIsClippedByTheirSum) {
+  SceneSettings scene = diffuse_scene();
+  scene.sensor.exposure = 1.8;
+  scene.sensor.full_well_e = 10000.0;
+  scene.coverage.points = 1000;
+  scene.coverage.max_grey = 0.95;
+  const auto clipped = [&] {
+    return cover(scene).state_shares[static_cast<std::size_t>(CellState::kClipped)];
+  };
+  EXPECT_EQ(clipped(), 0.0);
+  scene.sensor.dark_e = 1000.0;
+  EXPECT_NEAR(clipped(), 2400.0 / 5200.0, 0.02);
 }
 
 TEST(CoverScene, TellsWhatIsDarkAndWhatIsClipped) {

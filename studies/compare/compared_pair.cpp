@@ -334,6 +334,11 @@ void check_shows_part(const ComparedPair& pair) {
       throw ConfigError(picture->source.picture.string() +
                         ": shows no part: it is dark, and what varies in it is noise alone");
     }
+    if (is_bright_noise(picture->grey)) {
+      throw ConfigError(picture->source.picture.string() +
+                        ": shows no part: it is at full scale nearly all over, and what varies in "
+                        "it is noise alone");
+    }
   }
 }
 

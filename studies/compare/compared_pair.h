@@ -91,8 +91,8 @@ struct PairOptions {
 /// @throws ConfigError for pictures of different sizes, and as read_compared() and find_outlines()
 ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options);
 
-/// @throws ConfigError naming a picture that was taken with the lens covered: dark, with nothing in
-/// it but noise, and not like the other one
+/// @throws ConfigError naming a picture that was taken with the lens covered or overexposed: dark,
+/// or nearly at full scale, with nothing in it but noise, and not like the other one
 void check_shows_part(const ComparedPair& pair);
 
 /// The texture of a picture over its mean, in a region shrunk by some pixels.

@@ -68,6 +68,14 @@ bool is_dark_noise(const ImageF& grey) {
   return blocks < noise_variance(grey) * (1.0 + 4.0 * std::sqrt(2.0 / count));
 }
 
+bool is_bright_noise(const ImageF& grey) {
+  ImageF rest = grey;
+  for (float& value : rest.values()) {
+    value = 1.0F - value;
+  }
+  return is_dark_noise(rest);
+}
+
 ComparedPicture read_compared(const CompareSource& source) {
   const std::string name = source.picture.string();
   const Picture picture = read_picture(source.picture);

@@ -28,4 +28,7 @@ ComparedPicture read_compared(const CompareSource& source);
 /// by no more than noise between neighbouring pixels makes them (F test at 1 in 10^4 about).
 bool is_dark_noise(const ImageF& grey);
 
+/// The same of a picture that is nearly at full scale (mean above 95 % of it).
+bool is_bright_noise(const ImageF& grey);
+
 }  // namespace glint

@@ -177,6 +177,19 @@ TEST_F(BadInput, OtherDepthIsTheSamePicture) {
 
 // Radiance of any scale against codes: exposures are matched.
 TEST_F(BadInput, FloatsAgainstCodesAreTheSamePictureInAnotherExposure) {
+// Overexposed all over: codes of 253 to 255 of a picture of 8 bits.
+TEST_F(BadInput, AnOverexposedPictureOfNoiseAloneIsRefused) {
+  Rng rng(22, Stream::kTest, 0);
+  ImageF white(200, 160);
+  for (float& grey : white.values()) {
+    grey = static_cast<float>((253.0 + std::floor(rng.uniform(0.0, 3.0))) / 255.0);
+  }
+  const ComparedPair pair = compare(good(), write("white.png", white, PixelDepth::k8Bit));
+  EXPECT_THAT(
+      [&] { check_shows_part(pair); },
+      ThrowsMessage<ConfigError>(HasSubstr("white.png: shows no part: it is at full scale")));
+}
+
   ImageF radiance = drawn_blade();
   for (float& value : radiance.values()) {
     value = std::max(20.0F * value, 0.0F);

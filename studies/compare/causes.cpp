@@ -244,6 +244,16 @@ void withhold_doubtful(const OutlinePair& outlines, int width_px, PairCauses& ca
   fit.changes = {};
 }
 
+/// Edges of a picture that is mirrored or turned belong to other edges of the part.
+void withhold_turned(const ComparedPair& pair, PairCauses& causes) {
+  if (pair.better_turn) {
+    causes.notes.push_back(fmt::format(
+        "No cause is named for edges of a picture that seems to be {}.", pair.better_turn->name));
+    causes.edges->causes.clear();
+    causes.edges->changes = {};
+  }
+}
+
 }  // namespace
 
 std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene) {
@@ -271,6 +281,7 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
     MatchedCauses matched =
         matched_causes(pair, surface, intrinsics_of(scene), causes.middle_mm, known);
     causes.edges = std::move(matched.fit);
+    withhold_turned(pair, causes);
     withhold_doubtful(pair.geometry.outlines, pair.simulated.width(), causes);
     for (const FoundCause& found : causes.edges->causes) {
       causes.told.push_back(told(found));

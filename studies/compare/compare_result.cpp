@@ -67,6 +67,13 @@ Json texture_pair_json(const PairAppearance& look) {
           {"lay_distance_deg", look.texture->lay_rad * kDegPerRad}};
 }
 
+Json turn_json(const std::optional<BetterTurn>& turn) {
+  return turn ? Json{{"name", turn->name},
+                     {"correlation", turn->correlation},
+                     {"correlation_as_is", turn->correlation_as_is}}
+              : Json(nullptr);
+}
+
 Json edges_json(const std::vector<PartEdge>& edges) {
   Json list = Json::array();
   for (const PartEdge& edge : edges) {
@@ -143,6 +150,25 @@ std::optional<double> median_of(const Json& pairs, const char* key) {
   return values.empty() ? std::nullopt : std::optional(median(values));
 }
 
+/// Of pictures that fit better when they are turned: what they seem to be.
+std::string turns_sentence(const Json& pairs) {
+  std::size_t count = 0;
+  std::string name;
+  for (const Json& pair : pairs) {
+    if (pair["better_turn"].is_object()) {
+      const auto turn = pair["better_turn"]["name"].get<std::string>();
+      name = count == 0 || name == turn ? turn : "mirrored or turned";
+      ++count;
+    }
+  }
+  if (count == 0) {
+    return "";
+  }
+  return pairs.size() == 1
+             ? fmt::format("The real picture seems to be {}. ", name)
+             : fmt::format("{} of {} real pictures seem to be {}. ", count, pairs.size(), name);
+}
+
 /// Of a single pair: "; explained by k1 = 0.0194 +- 0.0004, gain = 1.2".
 std::string causes_sentence(const Json& pairs) {
   if (pairs.size() != 1 || pairs[0]["causes"].empty()) {
@@ -214,6 +240,7 @@ Json pair_json(const ComparedPair& pair, const PairCauses& causes) {
                             {"outline_share", geometry.unlisted.outline_share}};
   json["regions"] = regions_json(pair.regions);
   json["texture"] = texture_pair_json(look);
+  json["better_turn"] = turn_json(pair.better_turn);
   json["notes"] = pair.notes;
   for (const std::string& note : causes.notes) {
     json["notes"].push_back(note);
@@ -265,9 +292,9 @@ Json yardstick_json(const std::optional<Yardstick>& yardstick) {
 }
 
 std::string compare_verdict(const Json& pairs, const std::optional<Yardstick>& yardstick) {
-  std::string text;
+  std::string text = turns_sentence(pairs);
   if (yardstick && yardstick->multiple > 0.0) {
-    text = fmt::format(
+    text += fmt::format(
         "The simulation differs from the photographs {:.1f} times as much as they differ from each "
         "other",
         yardstick->multiple);

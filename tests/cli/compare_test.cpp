@@ -246,6 +246,33 @@ TEST_F(CompareVerb, TellsADefectThatOneSideAloneShows) {
   }
   const Json result =
       json_of(folder_, {"compare", "dented/baseline", "sound/baseline", "--out", "out"});
+// The plate lies to the right of the middle, in the mirrored photograph to the left: a shift would
+// explain its edges.
+TEST_F(CompareVerb, NamesNoCauseForEdgesOfAMirroredPhotograph) {
+  const std::string plate = edited(kDentedPlate, {{"[part]", "[part]\nposition_mm = [0.7, 0, 0]"}});
+  write_file(folder_ / "scene.toml", plate.substr(0, plate.find("[defects.dent]")));
+  const ProgramResult rendered =
+      glint_in(folder_, {"render", "scene.toml", "--quiet", "--out", "view"});
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  const ImageF view = linear_values(read_picture(folder_ / "view/baseline/image.tif").pixels);
+  ImageF mirrored = view;
+  for (int y = 0; y < view.height(); ++y) {
+    for (int x = 0; x < view.width(); ++x) {
+      mirrored(x, y) = view(view.width() - 1 - x, y);
+    }
+  }
+  write_png(folder_ / "mirrored.png", mirrored, PixelDepth::k16Bit);
+  const Json result =
+      json_of(folder_, {"compare", "view/baseline", "mirrored.png", "--out", "out"});
+  const Json& pair = result["pairs"][0];
+  EXPECT_THAT(result["verdict"].get<std::string>(),
+              HasSubstr("The real picture seems to be mirrored from left to right"));
+  EXPECT_THAT(pair["notes"].dump(), HasSubstr("No cause is named for edges"));
+  for (const Json& cause : pair["causes"]) {
+    EXPECT_EQ(cause["of"], "grey") << cause;
+  }
+}
+
   EXPECT_EQ(result["timings"]["render_s"], 0.0);
   const Json& inspection = result["pairs"][0]["inspection"];
   EXPECT_EQ(inspection["simulated"]["found"], 1) << inspection;

@@ -5,10 +5,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/image/exr_layers.h"
 #include "studies/compare/causes.h"
+#include "studies/compare/compare_result.h"
 #include "studies/compare/compared_pair.h"
 #include "tests/studies/compare/compare_fixture.h"
 
@@ -18,6 +20,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 using ::testing::ThrowsMessage;
 
 class BadInput : public CompareFiles {
@@ -74,6 +77,27 @@ TEST_F(BadInput, AMirroredOrTurnedPictureIsTold) {
   EXPECT_THAT(pair.notes, Contains(HasSubstr("turned by 180 degrees")));
 }
 
+/// The same mistakes with a square picture, whose size does not tell.
+TEST_F(BadInput, ASquarePictureThatIsTurnedOrMirroredAboutADiagonalIsTold) {
+  const ImageF square = rearranged(
+      drawn_blade(), 160, 160, [](const ImageF& p, int x, int y) { return p(x + 20, y); });
+  const auto simulated = write("square.png", square);
+  const auto told = [&](const auto& place) {
+    const ComparedPair pair =
+        compare(simulated, write("turned.png", rearranged(square, 160, 160, place)));
+    return pair.better_turn ? pair.better_turn->name : std::string("as it is");
+  };
+  EXPECT_EQ(told([](const ImageF& p, int x, int y) { return p(x, y); }), "as it is");
+  EXPECT_EQ(told([](const ImageF& p, int x, int y) { return p(159 - y, x); }),
+            "turned by 90 degrees");
+  EXPECT_EQ(told([](const ImageF& p, int x, int y) { return p(y, 159 - x); }),
+            "turned by 270 degrees");
+  EXPECT_EQ(told([](const ImageF& p, int x, int y) { return p(y, x); }),
+            "mirrored about a diagonal");
+  EXPECT_EQ(told([](const ImageF& p, int x, int y) { return p(159 - y, 159 - x); }),
+            "mirrored about the other diagonal");
+}
+
 /// A disc with marks to its right, whose outline no mirror changes; light falls off by `slope`.
 ImageF marked_disc(double slope, std::uint64_t index, double mark = 0.25) {
   ImageF picture = drawn(200, 160, [=](double x, double y) {
@@ -101,6 +125,12 @@ TEST_F(BadInput, AMirroredOrTurnedPartWithASymmetricOutlineIsToldByItsInside) {
   ASSERT_TRUE(pair.better_turn.has_value());
   EXPECT_EQ(pair.better_turn->name, "mirrored from left to right");
   EXPECT_THAT(pair.notes, Contains(HasSubstr("what is on the part correlates")));
+  // Its silhouette fits all the same: the verdict does not begin with that.
+  const auto pairs = nlohmann::ordered_json::array({pair_json(pair, find_causes(pair))});
+  EXPECT_EQ(pairs[0]["better_turn"]["name"], "mirrored from left to right");
+  EXPECT_THAT(compare_verdict(pairs, std::nullopt),
+              StartsWith("The real picture seems to be mirrored from left to right. The "
+                         "silhouettes overlap by 99"));
   const auto turned = write(
       "turned.png", rearranged(marked_disc(0.0, 3), 200, 160, [](const ImageF& p, int x, int y) {
         return p(199 - x, 159 - y);
@@ -147,6 +177,19 @@ TEST_F(BadInput, ADarkPictureOfNoiseAloneIsRefused) {
   EXPECT_NO_THROW(check_shows_part(compare(stripes("a.png", 1), stripes("b.png", 2))));
 }
 
+// Overexposed all over: codes of 253 to 255 of a picture of 8 bits.
+TEST_F(BadInput, AnOverexposedPictureOfNoiseAloneIsRefused) {
+  Rng rng(22, Stream::kTest, 0);
+  ImageF white(200, 160);
+  for (float& grey : white.values()) {
+    grey = static_cast<float>((253.0 + std::floor(rng.uniform(0.0, 3.0))) / 255.0);
+  }
+  const ComparedPair pair = compare(good(), write("white.png", white, PixelDepth::k8Bit));
+  EXPECT_THAT(
+      [&] { check_shows_part(pair); },
+      ThrowsMessage<ConfigError>(HasSubstr("white.png: shows no part: it is at full scale")));
+}
+
 // Noise alone has no silhouette and no edges; appearance is still compared.
 TEST_F(BadInput, APictureWithoutAPartHasNoGeometry) {
   ImageF noise(200, 160, 0.1F);
@@ -177,19 +220,6 @@ TEST_F(BadInput, OtherDepthIsTheSamePicture) {
 
 // Radiance of any scale against codes: exposures are matched.
 TEST_F(BadInput, FloatsAgainstCodesAreTheSamePictureInAnotherExposure) {
-// Overexposed all over: codes of 253 to 255 of a picture of 8 bits.
-TEST_F(BadInput, AnOverexposedPictureOfNoiseAloneIsRefused) {
-  Rng rng(22, Stream::kTest, 0);
-  ImageF white(200, 160);
-  for (float& grey : white.values()) {
-    grey = static_cast<float>((253.0 + std::floor(rng.uniform(0.0, 3.0))) / 255.0);
-  }
-  const ComparedPair pair = compare(good(), write("white.png", white, PixelDepth::k8Bit));
-  EXPECT_THAT(
-      [&] { check_shows_part(pair); },
-      ThrowsMessage<ConfigError>(HasSubstr("white.png: shows no part: it is at full scale")));
-}
-
   ImageF radiance = drawn_blade();
   for (float& value : radiance.values()) {
     value = std::max(20.0F * value, 0.0F);

@@ -293,6 +293,11 @@ class CompareRun {
       result["notes"].push_back("No yardstick of photographs: the part has no window of 16 px in " +
                                 without_windows() + ".");
     }
+    if (simulated_.size() > 1 && reals_.size() >= 2) {
+      result["notes"].push_back(
+          "No yardstick of photographs: compare one simulated picture with all photographs of a "
+          "kind to see how many times as far it is from them as they are from each other.");
+    }
     result["report"] = "report.html";
     return result;
   }

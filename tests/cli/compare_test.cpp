@@ -75,6 +75,18 @@ TEST_F(CompareVerb, MeasuresAgainstPhotographsAmongEachOther) {
               HasSubstr("times as much as they differ from each other"));
 }
 
+// Two views with a photograph each: these are not of one kind, and a note says what would be.
+TEST_F(CompareVerb, SaysWhyThereIsNoYardstickOfSeveralViews) {
+  draw("views/1.png", {});
+  draw("views/2.png", {.scale = 0.9});
+  draw("photos/1.png", {.index = 1});
+  draw("photos/2.png", {.scale = 0.9, .index = 2});
+  const Json result = json_of(folder_, {"compare", "views", "photos", "--out", "out"});
+  EXPECT_TRUE(result["yardstick"].is_null());
+  EXPECT_THAT(result["notes"].dump(),
+              HasSubstr("compare one simulated picture with all photographs of a kind"));
+}
+
 TEST_F(CompareVerb, RefusesWithOneLineAndNoFolder) {
   draw("simulated.png", {});
   write_png(folder_ / "small.png", ImageF(20, 10, 0.5F), PixelDepth::k8Bit);
@@ -234,18 +246,6 @@ TEST_F(ComparedDesign, TakesTheSceneOfAPictureByItself) {
   EXPECT_THAT(refused.err, HasSubstr("come with a scene of their own"));
 }
 
-// The photographed plate is sound: its dent is seen in the simulated picture alone.
-TEST_F(CompareVerb, TellsADefectThatOneSideAloneShows) {
-  const std::string dented = edited(kDentedPlate, {{"height_um = 100", "height_um = 400"}});
-  write_file(folder_ / "dented.toml", dented);
-  write_file(folder_ / "sound.toml", dented.substr(0, dented.find("[defects.dent]")));
-  for (const std::string name : {"dented", "sound"}) {
-    const ProgramResult result =
-        glint_in(folder_, {"render", name + ".toml", "--quiet", "--out", name});
-    ASSERT_EQ(result.code, 0) << result.err;
-  }
-  const Json result =
-      json_of(folder_, {"compare", "dented/baseline", "sound/baseline", "--out", "out"});
 // The plate lies to the right of the middle, in the mirrored photograph to the left: a shift would
 // explain its edges.
 TEST_F(CompareVerb, NamesNoCauseForEdgesOfAMirroredPhotograph) {
@@ -273,6 +273,18 @@ TEST_F(CompareVerb, NamesNoCauseForEdgesOfAMirroredPhotograph) {
   }
 }
 
+// The photographed plate is sound: its dent is seen in the simulated picture alone.
+TEST_F(CompareVerb, TellsADefectThatOneSideAloneShows) {
+  const std::string dented = edited(kDentedPlate, {{"height_um = 100", "height_um = 400"}});
+  write_file(folder_ / "dented.toml", dented);
+  write_file(folder_ / "sound.toml", dented.substr(0, dented.find("[defects.dent]")));
+  for (const std::string name : {"dented", "sound"}) {
+    const ProgramResult result =
+        glint_in(folder_, {"render", name + ".toml", "--quiet", "--out", name});
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+  const Json result =
+      json_of(folder_, {"compare", "dented/baseline", "sound/baseline", "--out", "out"});
   EXPECT_EQ(result["timings"]["render_s"], 0.0);
   const Json& inspection = result["pairs"][0]["inspection"];
   EXPECT_EQ(inspection["simulated"]["found"], 1) << inspection;

@@ -15,6 +15,7 @@ FoundCamera found_camera(const FoundDevice& device) {
           .model = device.model,
           .serial = device.serial,
           .address = device.address,
+          .manufacturer_info = device.manufacturer_info,
           .user_name = device.user_name,
           .protocol = "GigEVision"};
 }

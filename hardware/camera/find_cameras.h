@@ -15,7 +15,9 @@ struct FoundCamera {
   std::string model;
   std::string serial;
   std::string address;
-  std::string user_name;  ///< that somebody gave it; empty where it is not asked for
+  /// That no user can change; empty where it is not asked for, as the next.
+  std::string manufacturer_info;
+  std::string user_name;  ///< the DeviceUserID that a user gave it
   std::string protocol;   ///< "GigEVision", "USB3Vision"
 };
 

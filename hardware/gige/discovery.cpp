@@ -35,6 +35,7 @@ std::optional<FoundDevice> parse_discovery(BytesView payload) {
   return FoundDevice{.vendor = field_text(payload, gige_register::kManufacturer, 32),
                      .model = field_text(payload, gige_register::kModel, 32),
                      .serial = field_text(payload, gige_register::kSerial, 16),
+                     .manufacturer_info = field_text(payload, gige_register::kManufacturerInfo, 48),
                      .user_name = field_text(payload, gige_register::kUserName, 16),
                      .address = ipv4_text(read_u32(payload, gige_register::kCurrentIp))};
 }

@@ -21,7 +21,8 @@ struct FoundDevice {
   std::string vendor;
   std::string model;
   std::string serial;
-  std::string user_name;
+  std::string manufacturer_info;  ///< that no user can change
+  std::string user_name;          ///< the DeviceUserID that a user gave it
   std::string address;
 };
 

@@ -181,12 +181,12 @@ Json twin_robots() {
 
 }  // namespace
 
-bool is_camera_twin(const std::string& address, const std::string& user_name) {
-  if (user_name.empty()) {
+bool is_camera_twin(const std::string& address, const std::string& manufacturer_info) {
+  if (manufacturer_info.empty()) {
     return false;
   }
   const auto told = ask_side_channel(camera_twin_socket(address), "token");
-  return told && *told == user_name;
+  return told && *told == manufacturer_info;
 }
 
 Json list_cameras() {
@@ -196,9 +196,10 @@ Json list_cameras() {
                        {"vendor", camera.vendor},
                        {"model", camera.model},
                        {"serial", camera.serial},
+                       {"user_name", camera.user_name},
                        {"address", camera.address},
                        {"protocol", camera.protocol},
-                       {"twin", is_camera_twin(camera.address, camera.user_name)}});
+                       {"twin", is_camera_twin(camera.address, camera.manufacturer_info)}});
   }
   return {{"schema", 1}, {"status", "done"}, {"cameras", cameras}, {"robots", twin_robots()}};
 }

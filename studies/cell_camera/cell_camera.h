@@ -20,8 +20,8 @@ namespace glint {
 nlohmann::ordered_json list_cameras();
 
 /// Whether the camera at this address is a twin of Glint: its side channel, which only this user
-/// can have opened, tells the name that the camera itself tells.
-bool is_camera_twin(const std::string& address, const std::string& user_name);
+/// can have opened, tells the token that the camera itself tells where no user can write.
+bool is_camera_twin(const std::string& address, const std::string& manufacturer_info);
 
 /// What the cell file says about pictures. @throws ConfigError for a region that is none
 CameraConfiguration camera_configuration_of(const CellCamera& camera);

@@ -59,7 +59,7 @@ class CameraServing final : public ServingTwin {
   std::string switch_light(const std::string& text);
   std::string set_cable(const std::string& text);
 
-  std::uint64_t token_ = 0;  ///< the camera tells it as the name that a user gave it: 15 digits
+  std::uint64_t token_ = 0;  ///< the camera tells it as its manufacturer info
   std::atomic<bool> is_stop_asked_ = false;
   std::atomic<int> placement_ = 1;
   std::set<std::string> manual_;  ///< lights that a person switches

@@ -47,7 +47,7 @@ void expect_loopback_alone(const ServedTwins& twins, int udp, int listening) {
 }
 
 /// What reads pictures has nothing to say to a robot, though the cell has one. Features of the cell
-/// file reach the camera.
+/// file reach the camera, which stays a twin when they give it another name.
 /// @param mean_grey  of the picture without them
 void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
                                         const std::string& cell,
@@ -60,7 +60,8 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
   const std::string camera_address = twins.of("camera")["address"];
   write_file(folder / "counted.toml",
              fmt::format("include = [\"{}\"]\n[camera]\naddress = \"{}\"\n"
-                         "[camera.features]\nBlackLevel = 220.75\n[robot]\nrtde_port = {}\n"
+                         "[camera.features]\nBlackLevel = 220.75\n"
+                         "DeviceUserID = \"line 3\"\n[robot]\nrtde_port = {}\n"
                          "primary_port = {}\nsecondary_port = {}\ndashboard_port = {}\n",
                          cell,
                          camera_address,
@@ -68,18 +69,19 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
                          primary.port(),
                          secondary.port(),
                          dashboard.port()));
+  const json grabbed = json_of(folder, {"cell", "grab", "counted.toml", "--out", "counted"});
+  EXPECT_EQ(grabbed["complete"], 1);
+  EXPECT_NEAR(grabbed["frames"][0]["mean_grey"].get<double>(), mean_grey + 0.05, 0.005);
   const json list = json_of(folder, {"cell", "list"});
   bool is_listed = false;
   for (const json& camera : list["cameras"]) {
-    is_listed = is_listed || (camera["address"] == camera_address && camera["twin"] == true);
+    is_listed = is_listed || (camera["address"] == camera_address &&
+                              camera["user_name"] == "line 3" && camera["twin"] == true);
   }
   EXPECT_TRUE(is_listed) << list;
   const json robot = {
       {"address", "127.0.0.1"}, {"rtde_port", twins.of("robot")["rtde_port"]}, {"twin", true}};
   EXPECT_THAT(list["robots"], testing::Contains(robot));
-  const json grabbed = json_of(folder, {"cell", "grab", "counted.toml", "--out", "counted"});
-  EXPECT_EQ(grabbed["complete"], 1);
-  EXPECT_NEAR(grabbed["frames"][0]["mean_grey"].get<double>(), mean_grey + 0.05, 0.005);
   for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
     EXPECT_EQ(peer->connections(), 0);
   }

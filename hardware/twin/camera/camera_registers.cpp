@@ -96,9 +96,8 @@ CameraRegisters::CameraRegisters(const CameraTwinSettings& settings) {
   store_text(gev::kManufacturer, settings.vendor, 32);
   store_text(gev::kModel, settings.model, 32);
   store_text(gev::kDeviceVersion, "1", 32);
-  store_text(gev::kManufacturerInfo, "a simulated camera", 48);
+  store_text(gev::kManufacturerInfo, settings.manufacturer_info, 48);
   store_text(gev::kSerial, settings.serial, 16);
-  store_text(gev::kUserName, settings.user_name, kUserNameBytes);
   store_text(gev::kXmlUrl, fmt::format("Local:twin.xml;{:x};{:x}", at::kXml, xml.size()), 512);
   store_number(gev::kNetworkInterfaces, 1);
   store_number(gev::kStreamChannels, 1);

@@ -17,7 +17,7 @@ struct CameraTwinSettings {
   std::string vendor = "Glint";
   std::string model = "CameraTwin";
   std::string serial = "TWIN01";
-  std::string user_name;  ///< at most 15 characters
+  std::string manufacturer_info = "a simulated camera";  ///< at most 47 characters
   int sensor_width_px = 2448;
   int sensor_height_px = 2050;
   std::uint16_t first_frame_id = 1;  ///< 1 to 65535

@@ -147,9 +147,13 @@ TEST(Discovery, IsNoneWhenItIsTooShort) {
   payload[0x24] = 127;
   payload[0x27] = 1;
   payload[0x48] = 'G';
+  payload[0xa8] = 'M';
+  payload[0xe8] = 'U';
   const auto device = parse_discovery(payload);
   ASSERT_TRUE(device.has_value());
   EXPECT_EQ(device->vendor, "G");
+  EXPECT_EQ(device->manufacturer_info, "M");
+  EXPECT_EQ(device->user_name, "U");
   EXPECT_EQ(device->address, "127.0.0.1");
 }
 

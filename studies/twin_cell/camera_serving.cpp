@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -82,9 +83,9 @@ std::vector<std::string> CameraServing::shining(const std::vector<std::string>& 
   return on;
 }
 
-void CameraServing::stay_at(const TwinCellState& state) {
+void CameraServing::stay_at(std::function<TwinCellState()> standing) {
   const std::scoped_lock lock(lights_mutex_);
-  stays_ = state;
+  standing_ = std::move(standing);
 }
 
 /// "light NAME on|off": a person has switched it.
@@ -98,7 +99,7 @@ std::string CameraServing::switch_light(const std::string& text) {
   if (!manual_.contains(name)) {
     return fmt::format("error: no person switches a light named {}", name);
   }
-  std::optional<TwinCellState> stays;
+  std::function<TwinCellState()> standing;
   {
     const std::scoped_lock lock(lights_mutex_);
     if (how == "on") {
@@ -106,11 +107,10 @@ std::string CameraServing::switch_light(const std::string& text) {
     } else {
       off_.insert(name);
     }
-    stays = stays_;
+    standing = standing_;
   }
-  if (stays) {
-    stays->lights = shining(stays->lights);
-    pictures_.arrive(*stays);
+  if (standing) {
+    pictures_.arrive(standing());
   }
   return "ok";
 }

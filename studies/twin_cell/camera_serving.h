@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -48,9 +49,9 @@ class CameraServing final : public ServingTwin {
   /// Those of the lights that no person has switched off. For any thread.
   std::vector<std::string> shining(const std::vector<std::string>& lights) const;
 
-  /// No robot is followed: the camera stands there, and a light that a person switches tells its
-  /// pictures.
-  void stay_at(const TwinCellState& state);
+  /// No robot is followed: the camera stands where `standing` says, which is asked again when a
+  /// person has switched a light.
+  void stay_at(std::function<TwinCellState()> standing);
 
  private:
   std::string answer(const std::string& line);
@@ -64,8 +65,8 @@ class CameraServing final : public ServingTwin {
   std::atomic<int> placement_ = 1;
   std::set<std::string> manual_;  ///< lights that a person switches
   mutable std::mutex lights_mutex_;
-  std::set<std::string> off_;           ///< of these; at first none is
-  std::optional<TwinCellState> stays_;  ///< empty: the camera follows a robot
+  std::set<std::string> off_;                ///< of these; at first none is
+  std::function<TwinCellState()> standing_;  ///< empty: the camera follows a robot
   ThreadPool pool_;
   CellRenderer renderer_;
   CellPictures pictures_;

@@ -44,10 +44,9 @@ std::vector<std::string> all_lights(const Cell& cell) {
 
 /// Where the camera of a cell without a robot stands: the flange that shows the scene as the
 /// scene's own viewpoint does.
-TwinCellState state_at_viewpoint(const Cell& cell, const Truth& truth) {
+TwinCellState state_at_viewpoint(const Truth& truth, const std::vector<std::string>& lights) {
   const RigidTransform camera_from_scene = camera_from_world(truth.scene.viewpoint());
-  return {.base_from_flange = truth.base_from_flange(inverse(camera_from_scene)),
-          .lights = all_lights(cell)};
+  return {.base_from_flange = truth.base_from_flange(inverse(camera_from_scene)), .lights = lights};
 }
 
 /// The twin of a cell's stage, and which position of the scan it stands at.
@@ -273,7 +272,7 @@ TwinCellState first_state(const Cell& cell,
                           const Truth& truth,
                           const std::vector<std::string>& lights) {
   if (!cell.robot) {
-    return state_at_viewpoint(cell, truth);
+    return state_at_viewpoint(truth, lights);
   }
   const ArmWithTool arm = arm_with_tool(robot_of(cell), cell.limits);
   const CellPosition& start = safe_position_of(cell, "");
@@ -300,7 +299,9 @@ ServingTwins camera_twin_of(const Cell& cell, CameraPlace place, int threads) {
   const TwinCellState state = first_state(cell, truth, all_lights(cell));
   auto camera = std::make_unique<CameraServing>(
       cell, truth, address_of(cell, place.is_free), state, place.has_cable, threads);
-  camera->stay_at(state);
+  camera->stay_at([cell, truth, &serving = *camera] {
+    return first_state(cell, truth, serving.shining(all_lights(cell)));
+  });
   ServingTwins twins;
   twins.push_back(std::move(camera));
   return twins;

@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What `glint cell grab` tells of pictures that did not come.
+// What `glint cell grab` tells of pictures that did not come, and what a camera's twin without its
+// robot shows.
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "hardware/camera/aravis_camera.h"
 #include "hardware/gige/udp_socket.h"
+#include "hardware/robot/twin_proof.h"
+#include "hardware/robot/ur_settings.h"
 #include "hardware/twin/camera/bad_cable.h"
 #include "hardware/twin/camera/camera_twin.h"
 #include "hardware/twin/camera/test_pattern.h"
 #include "studies/cell_camera/cell_camera.h"
+#include "studies/twin_cell/cell_renderer.h"
+#include "studies/twin_cell/cell_twins.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -51,6 +58,47 @@ TEST(GrabbedFrames, HaveNoTimesWhereNoPictureCame) {
   const std::string table = read_file(folder / "grab/frames.csv");
   EXPECT_THAT(table, HasSubstr("incomplete,"));
   EXPECT_THAT(table, Not(HasSubstr("1970")));
+}
+
+/// The gallery's cell with an arm whose joints are off by 0.05 degree: some pixels.
+Cell cell_with_joint_errors(const TemporaryFolder& folder) {
+  const auto gallery = std::filesystem::path(GLINT_SOURCE_DIR) / "studies/gallery/twin_cell";
+  write_file(folder / "truth.toml",
+             read_file(gallery / "truth.toml") + "\njoint_noise_deg = 0.05\n");
+  write_file(folder / "cell.toml",
+             fmt::format("include = [\"{}\"]\n[twin]\ntruth = \"{}\"\n",
+                         (gallery / "cell.toml").string(),
+                         (folder / "truth.toml").string()));
+  return read_cell(folder / "cell.toml");
+}
+
+// Only the bar is on when the ring has been switched off, and the error of the joints is drawn by
+// that.
+TEST(CameraTwinAlone, HasTheJointErrorOfTheLightsThatAreOn) {
+  const TemporaryFolder folder;
+  const Cell cell = cell_with_joint_errors(folder);
+  const ServingTwins twins = camera_twin_of(cell, {.is_free = true}, 2);
+  const auto described = twins.front()->description();
+  ASSERT_EQ(ask_side_channel(described["side_channel"].get<std::string>(), "light ring off"), "ok");
+  AravisCamera camera(described["address"].get<std::string>());
+  camera.configure({.exposure_us = 5000.0, .packet_size = 9000});
+  camera.start();
+  const Frame frame = camera.capture();
+  ASSERT_TRUE(frame.is_complete()) << frame.what;
+  const Truth truth = read_truth(truth_file_of(cell));
+  const Arm arm = arm_with_tool(robot_of(cell), cell.limits).arm;
+  const JointVector joints_rad =
+      Eigen::Map<const JointVector>(safe_position_of(cell, "").joints_rad.data());
+  ThreadPool pool(2);
+  CellRenderer renderer(truth, pool);
+  const auto with_error_under = [&](const std::vector<std::string>& lights) {
+    return renderer.render({.base_from_flange = transform_of(arm.forward(joints_rad)),
+                            .lights = {"bar"},
+                            .joint_error = joint_error_of(truth.settings, arm, joints_rad, lights)},
+                           {.exposure_us = 5000.0});
+  };
+  EXPECT_EQ(frame.codes, with_error_under({"bar"}));
+  EXPECT_NE(frame.codes, with_error_under({"ring", "bar"}));
 }
 
 }  // namespace

@@ -40,6 +40,10 @@ double pixels_of(const SceneSettings& scene) {
   return static_cast<double>(scene.camera.width_px) * scene.camera.height_px;
 }
 
+bool is_hollow(double radius_mm) {
+  return radius_mm < 0.0 && std::isfinite(radius_mm);
+}
+
 int frames_of(const SceneSettings& scene) {
   return scene.has_tunnel ? scene.scan.positions : 1;
 }
@@ -88,8 +92,16 @@ double mirror_work(const SceneSettings& scene) {
 }  // namespace
 
 bool may_see_itself(const SceneSettings& scene) {
-  const PartSettings::Shape shape = scene.part.shape;
-  return shape == PartSettings::Shape::kSpurGear || shape == PartSettings::Shape::kMesh;
+  const PartSettings& part = scene.part;
+  switch (part.shape) {
+    case PartSettings::Shape::kSpurGear:
+    case PartSettings::Shape::kMesh:
+      return true;
+    case PartSettings::Shape::kStrip:
+      return is_hollow(part.radius_along_mm) || is_hollow(part.radius_across_mm);
+    default:
+      return false;
+  }
 }
 
 double counted_work(const SceneSettings& scene) {

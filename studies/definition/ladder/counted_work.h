@@ -8,8 +8,8 @@
 
 namespace glint {
 
-/// Whether light may go from one place of the part to another one, which shades it, too. By its
-/// shape: of a mesh nothing else is known.
+/// Whether light may go from one place of the part to another one, which shades it, too: gears,
+/// strips that are hollow along either axis, and meshes, of whose shape nothing is known here.
 bool may_see_itself(const SceneSettings& scene);
 
 /// What one evaluation takes, in millions of camera paths with direct light.

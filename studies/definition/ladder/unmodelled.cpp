@@ -136,21 +136,38 @@ std::string polarisation_note(const SceneSettings& scene) {
       100.0 * degree * degree);
 }
 
-/// What no path is long enough for. Of what is reflected, about a half meets such a part again: a
-/// geometric series.
+/// Arc of a parabola over its chord; 1 where it bulges or is straight.
+double arc_over_chord(double radius_mm, double chord_mm) {
+  const double slope = radius_mm < 0.0 ? -0.5 * chord_mm / radius_mm : 0.0;
+  return slope > 0.0 ? 0.5 * (std::hypot(1.0, slope) + std::asinh(slope) / slope) : 1.0;
+}
+
+/// The share of what the part reflects that falls on it again. A hollow strip that scatters evenly
+/// sends through its opening as much as the opening's share of its surface; of gears and meshes a
+/// guess.
+double return_share(const PartSettings& part) {
+  constexpr double kOfOthers = 0.5;
+  return part.shape == PartSettings::Shape::kStrip
+             ? 1.0 - 1.0 / (arc_over_chord(part.radius_along_mm, part.length_mm) *
+                            arc_over_chord(part.radius_across_mm, part.width_mm))
+             : kOfOthers;
+}
+
+/// What no path is long enough for, as a geometric series.
 std::string reflections_note(const SceneSettings& scene) {
-  constexpr double kReturn = 0.5;
   if (!may_see_itself(scene)) {
     return "Reflections from part to part: none, its shape does not see itself.";
   }
   const int most = is_blurred(scene) || is_direct(scene) ? 1
                    : needs_paths(scene)                  ? scene.paths.max_reflections
                                                          : scene.render.max_bounces;
+  const double share = return_share(scene.part);
   return fmt::format(
       "Light that the part reflects more than {} is not modelled: about {:.1g} % of its light, if "
-      "half of what it reflects falls on the part again.",
+      "{:.2g} % of what it reflects falls on the part again.",
       most == 1 ? std::string("once") : fmt::format("{} times", most),
-      100.0 * std::pow(kReturn * mean_reflectance(scene), most));
+      100.0 * std::pow(share * mean_reflectance(scene), most),
+      100.0 * share);
 }
 
 /// Narrowest of a group's defects.

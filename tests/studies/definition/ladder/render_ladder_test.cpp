@@ -370,6 +370,15 @@ TEST(CountedWork, OfDirectSumsIsLargeWhereThePartShadesItself) {
   EXPECT_GT(counted_work(scene), by_paths);
 }
 
+TEST(CountedWork, OfDirectSumsIsLargeForHollowStrips) {
+  SceneSettings scene = steel();
+  scene.render.method = Method::kDirect;
+  scene.part.radius_across_mm = -80.0;
+  EXPECT_DOUBLE_EQ(counted_work(scene), 100.25) << "as of a gear";
+  scene.part.radius_across_mm = 0.0;
+  EXPECT_DOUBLE_EQ(counted_work(scene), 4.3) << "straight";
+}
+
 TEST(RenderLadder, OfAGearHasNoDirectSumsThatTakeMoreThanItsTop) {
   SceneSettings gear = steel();
   gear.part.shape = PartSettings::Shape::kSpurGear;

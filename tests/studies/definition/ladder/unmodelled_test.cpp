@@ -71,6 +71,29 @@ TEST(UnmodelledNotes, TellOfReflectionsBeyondTheLast) {
               HasSubstr("2 times is not modelled: about 9 %"));
 }
 
+// A trough 20 mm wide with a radius of 10 mm: its sides end with a slope of 1, the parabola's arc
+// is (sqrt(2) + asinh(1)) / 2 = 1.1478 of its opening, and 1 - 1 / 1.1478 = 0.129 of its light
+// stays inside. (0.129 * 0.6)^2 = 0.6 %. One of 800 mm returns 1 - 1 / (1 + 0.0125^2 / 6): 0.0026
+// %.
+TEST(UnmodelledNotes, AHollowStripSeesItself) {
+  SceneSettings scene;
+  scene.render.method = RenderSettings::Method::kPaths;
+  scene.paths.max_reflections = 2;
+  scene.material.reflectance = {0.6};
+  scene.part.width_mm = 20.0;
+  scene.part.radius_across_mm = -10.0;
+  const auto note = [&] { return unmodelled_notes(scene, {1.0, 1.0, 1.0})[3]; };
+  EXPECT_THAT(note(), HasSubstr("2 times is not modelled: about 0.6 %"));
+  EXPECT_THAT(note(), HasSubstr("if 13 % of what it reflects"));
+  scene.part.radius_across_mm = -800.0;
+  EXPECT_THAT(note(), HasSubstr("if 0.0026 % of what it reflects"));
+  scene.part.radius_across_mm = 10.0;
+  scene.part.radius_along_mm = -0.5 * scene.part.length_mm;
+  EXPECT_THAT(note(), HasSubstr("if 13 % of what it reflects")) << "a saddle";
+  scene.part.shape = PartSettings::Shape::kPlate;
+  EXPECT_THAT(note(), HasSubstr("does not see itself")) << "radii are those of strips";
+}
+
 // Of index 1.5 at 60 degrees: Rs = 0.1770, Rp = 0.0018: 0.98 polarised, 0.96 twice.
 TEST(UnmodelledNotes, ACoatPolarisesWhatLiesBelowItDoesNot) {
   SceneSettings scene;

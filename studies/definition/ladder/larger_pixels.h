@@ -7,8 +7,10 @@
 
 namespace glint {
 
-/// The scene with pixels `factor` times as large along both sides, and as many fewer; blur and
-/// erosion shrink with them. @param factor  >= 1
+/// The scene with pixels `factor` times as large along both sides, and as many fewer. Lengths and
+/// areas in pixels of [sensor], [metrics], [inspection] and [coverage] shrink with them, so that
+/// they stay the same on the part; whole numbers are rounded up. [reference] stays: its pictures
+/// have their own pixels. @param factor  >= 1
 SceneSettings with_larger_pixels(SceneSettings scene, int factor);
 
 }  // namespace glint

@@ -14,6 +14,7 @@
 
 #include "core/rng.h"
 #include "metrics/lighting_scores.h"
+#include "metrics/scores.h"
 #include "metrics/statistics/told_value.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/front/front.h"
@@ -186,6 +187,27 @@ Scores scores_from_json(const Json& json) {
   return scores;
 }
 
+std::optional<double> fresh_error(const Json& written, const std::string& score) {
+  constexpr double kErrorsPerWidth = 4.0;  // an interval of 95 %
+  if (is_of_lighting(score) || is_of_coverage(score) || is_of_reach(score)) {
+    return 0.0;
+  }
+  const Scores fresh = scores_from_json(written.value("rescored", Json::object()));
+  if (const auto own = fresh.find(error_name(score)); own != fresh.end()) {
+    return std::abs(own->second);
+  }
+  const Json repeated = written.value("repeated", Json::object());
+  if (const auto spread = spread_of(repeated.value(score, Json()))) {
+    return spread;
+  }
+  const std::string whole(without_bound(score));
+  const auto low = fresh.find(whole + ".low");
+  const auto high = fresh.find(whole + ".high");
+  return low != fresh.end() && high != fresh.end()
+             ? std::optional(std::abs(high->second - low->second) / kErrorsPerWidth)
+             : std::nullopt;
+}
+
 void plan_front(const Goal& goal, Json& front) {
   Json& designs = front["designs"];
   const std::vector<double> worth = contributions(goal, front);
@@ -223,12 +245,8 @@ void add_rescored(const Goal& goal, const Json& written, Json& design) {
       continue;
     }
     scores[name] = fresh[name];
-    if (const auto own = fresh.find(name + ".error"); own != fresh.end() && own->is_number()) {
-      errors[name] = *own;
-    } else if (const auto spread = spread_of(repeated.value(name, Json()))) {
-      errors[name] = *spread;
-    } else if (is_of_lighting(name)) {
-      errors[name] = 0.0;  // it follows from the settings
+    if (const auto error = fresh_error(written, name)) {
+      errors[name] = *error;
     }
   }
   design["rescored"] = scores;

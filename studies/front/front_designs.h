@@ -4,6 +4,9 @@
 // seeds, and what is left of the front then.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include <nlohmann/json_fwd.hpp>
 
 #include "optimizer/problem/goal.h"
@@ -13,6 +16,12 @@ namespace glint {
 
 /// The numbers of an object of scores.
 Scores scores_from_json(const nlohmann::ordered_json& json);
+
+/// The standard error of a fresh score: 0 of scores that follow from settings (of the lighting, of
+/// coverage and of reach); else the score's own, the standard deviation of the scans with other
+/// noise, or a quarter of the width of its interval of 95 %; empty where nothing tells.
+/// @param written  the object of a scores.json, with `rescored` and, if scanned so, `repeated`
+std::optional<double> fresh_error(const nlohmann::ordered_json& written, const std::string& score);
 
 /// Designs of a front that are written with all their pictures and scored again, the chosen one
 /// among them; and of the others those that get a small picture.
@@ -29,9 +38,7 @@ void plan_front(const Goal& goal, nlohmann::ordered_json& front);
 
 /// Adds to a design what it is worth with fresh seeds:
 ///   rescored         scores of objectives and limits
-///   rescored_errors  their standard errors: the score's own, else the standard deviation of the
-///                    scans with other noise, 0 of scores of the lighting, which follow from
-///                    settings; absent for a score that has none of these
+///   rescored_errors  their standard errors, fresh_error(); absent for a score that has none
 ///   told             { objective: { value, low, high } }, told_value() of the scans with other
 ///   noise
 ///                    and of what the search's model expects; absent without such scans

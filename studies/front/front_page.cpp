@@ -127,8 +127,10 @@ void add_front_to_page(const fs::path& run,
     }
   }
   front["rescored"] = result.value("front_rescored", Json());
-  if (result.contains("probability_best")) {
-    front["probability_best"] = result["probability_best"];
+  for (const char* name : {"probability_best", "probability_best_unknown"}) {
+    if (result.contains(name)) {
+      front[name] = result[name];
+    }
   }
   add_pictures(run, closeups, front);
 }

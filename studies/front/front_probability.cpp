@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "core/rng.h"
 #include "optimizer/algorithm/merit.h"
@@ -23,7 +24,7 @@ constexpr int kDraws = 4000;  // 1 % of probability is at most 2 standard errors
 /// One objective of one finalist.
 struct Noisy {
   double value = 0.0;
-  double error = 0.0;
+  std::optional<double> error;
   std::vector<double> scans;
 };
 
@@ -53,9 +54,8 @@ Candidate candidate_of(const Goal& goal, const Finalist& finalist, std::size_t i
   candidate.keeps_limits = is_feasible(goal, scores);
   for (const Objective& objective : objectives_of(goal)) {
     const double sign = objective.is_maximised ? -1.0 : 1.0;
-    const auto error = scores.find(objective.name + ".error");
     candidate.objectives.push_back({.value = sign * scores.at(objective.name),
-                                    .error = error != scores.end() ? error->second : 0.0,
+                                    .error = fresh_error(finalist.written, objective.name),
                                     .scans = scans_of(finalist.written, objective, sign)});
   }
   return candidate;
@@ -80,6 +80,19 @@ std::size_t common_scans(const std::vector<Candidate>& candidates, std::size_t o
     return one.objectives[objective].scans.size() == count;
   });
   return is_common && count > 1 ? count : 0;
+}
+
+/// Of each objective; 0: it moves by its errors. Scans count where they are as many as of any
+/// objective, as all share the same draw of them.
+std::vector<std::size_t> scans_drawn(const std::vector<Candidate>& candidates) {
+  std::vector<std::size_t> counts;
+  for (std::size_t i = 0; i < candidates.front().objectives.size(); ++i) {
+    counts.push_back(common_scans(candidates, i));
+  }
+  const std::size_t most = *std::ranges::max_element(counts);
+  std::ranges::transform(
+      counts, counts.begin(), [most](std::size_t count) { return count == most ? most : 0; });
+  return counts;
 }
 
 double mean_of(const std::vector<double>& scans) {
@@ -110,7 +123,8 @@ Draw draw_scans(std::size_t count, Rng& rng) {
 
 double drawn_value(const Noisy& noisy, std::size_t num_scans, const Draw& draw, Rng& rng) {
   if (num_scans == 0) {
-    return noisy.error > 0.0 ? noisy.value + noisy.error * rng.normal() : noisy.value;
+    const double error = noisy.error.value_or(0.0);
+    return error > 0.0 ? noisy.value + error * rng.normal() : noisy.value;
   }
   const double mean = mean_of(noisy.scans);
   double drawn = 0.0;
@@ -124,15 +138,14 @@ double drawn_value(const Noisy& noisy, std::size_t num_scans, const Draw& draw, 
 class Sampler {
  public:
   Sampler(const Goal& goal, const Json& front, const std::vector<Candidate>& candidates)
-      : choice_(front_choice_of(goal)), candidates_(candidates) {
+      : choice_(front_choice_of(goal)),
+        candidates_(candidates),
+        num_scans_(scans_drawn(candidates)) {
     std::vector<Row> searched;
     for (const Json& design : front["designs"]) {
       searched.push_back(minimised_objectives(goal, scores_from_json(design["scores"])));
     }
     ranges_ = objective_ranges(searched);
-    for (std::size_t i = 0; i < ranges_.size(); ++i) {
-      num_scans_.push_back(common_scans(candidates, i));
-    }
   }
 
   std::size_t chosen(int sample) const {
@@ -143,8 +156,7 @@ class Sampler {
     for (const Candidate& candidate : candidates_) {
       Row row;
       for (std::size_t i = 0; i < ranges_.size(); ++i) {
-        const std::size_t count = num_scans_[i] == most ? most : 0;
-        row.push_back(drawn_value(candidate.objectives[i], count, draw, rng));
+        row.push_back(drawn_value(candidate.objectives[i], num_scans_[i], draw, rng));
       }
       rows.push_back(std::move(row));
     }
@@ -159,17 +171,35 @@ class Sampler {
  private:
   FrontChoice choice_;
   const std::vector<Candidate>& candidates_;
+  std::vector<std::size_t> num_scans_;  ///< scans_drawn()
   std::vector<ObjectiveRange> ranges_;
-  std::vector<std::size_t> num_scans_;  ///< of each objective; 0: by its errors
 };
 
 }  // namespace
+
+std::string unknown_noise(const Goal& goal, const std::vector<Finalist>& finalists) {
+  const std::vector<Candidate> candidates = candidates_of(goal, finalists);
+  if (candidates.size() < 2) {
+    return "";
+  }
+  const std::vector<std::size_t> num_scans = scans_drawn(candidates);
+  for (const Candidate& candidate : candidates) {
+    for (std::size_t i = 0; i < num_scans.size(); ++i) {
+      if (num_scans[i] == 0 && !candidate.objectives[i].error) {
+        return "how far noise moves " + objectives_of(goal)[i].name + " of " +
+               finalists[candidate.finalist].title + " is not known";
+      }
+    }
+  }
+  return "";
+}
 
 std::vector<double> probabilities_of_choice(const Goal& goal,
                                             const Json& front,
                                             const std::vector<Finalist>& finalists) {
   const std::vector<Candidate> candidates = candidates_of(goal, finalists);
-  if (finalists.size() < 2 || candidates.empty() || front["designs"].empty()) {
+  if (finalists.size() < 2 || candidates.empty() || front["designs"].empty() ||
+      !unknown_noise(goal, finalists).empty()) {
     return {};
   }
   const Sampler sampler(goal, front, candidates);
@@ -201,6 +231,8 @@ void add_probability_best(const Goal& goal,
   });
   if (!list.empty()) {
     result["probability_best"] = std::move(list);
+  } else if (std::string why = unknown_noise(goal, finalists); !why.empty()) {
+    result["probability_best_unknown"] = std::move(why);
   }
 }
 

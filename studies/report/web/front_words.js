@@ -42,6 +42,8 @@ export function logTicks(low, high) {
 
 /** Which designs may be the compromise, for all the noise of their scores. */
 export function chosenText(facts) {
+  const unknown = facts.front.probability_best_unknown;
+  if (unknown) return ` No probability of being the compromise is told: ${unknown}.`;
   const likely = (facts.front.probability_best ?? []).filter((one) => one.probability >= 0.005);
   const share = ({ probability }) => (probability < 0.995 ? `${Math.round(100 * probability)}\u00a0%` : 'over 99\u00a0%');
   return likely.length ? ` Probability of being the compromise, from scans with the same noise for all: ${likely.slice(0, 6).map((one) => `${one.title} ${share(one)}`).join(', ')}${likely.length > 6 ? ', and others' : ''}.` : '';

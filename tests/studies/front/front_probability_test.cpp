@@ -14,27 +14,30 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Much of "even", little of "width", by weights.
+/// A score of the lighting, which is exact.
+constexpr const char* kWidth = "lighting.width_mm";
+
+/// Much of "even", little of the width, by weights.
 Goal weighted_goal(double weight_of_width = 1.0) {
   return {.objective = {.name = "even"},
           .constraints = {{.name = "cnr", .min = 3.0, .max = std::nullopt}},
-          .more_objectives = {{.name = "width", .is_maximised = false, .weight = weight_of_width}},
+          .more_objectives = {{.name = kWidth, .is_maximised = false, .weight = weight_of_width}},
           .choice = ChoiceRule::kWeights};
 }
 
-/// "even" from 0 to 10 and "width" from 0 to 100.
+/// "even" from 0 to 10 and the width from 0 to 100.
 Json front_of_two() {
   return {
       {"designs",
-       {{{"trial", 3}, {"folder", "winner"}, {"scores", {{"even", 10}, {"width", 100}}}},
-        {{"trial", 5}, {"folder", "front/trial_005"}, {"scores", {{"even", 0}, {"width", 0}}}}}}};
+       {{{"trial", 3}, {"folder", "winner"}, {"scores", {{"even", 10}, {kWidth, 100}}}},
+        {{"trial", 5}, {"folder", "front/trial_005"}, {"scores", {{"even", 0}, {kWidth, 0}}}}}}};
 }
 
 Finalist finalist(const std::string& key, double even, double width, double error) {
   return {.key = key,
           .title = "Design " + key,
           .written = {{"rescored",
-                       {{"even", even}, {"even.error", error}, {"width", width}, {"cnr", 4.0}}}}};
+                       {{"even", even}, {"even.error", error}, {kWidth, width}, {"cnr", 4.0}}}}};
 }
 
 double normal_below(double x) {
@@ -113,6 +116,47 @@ TEST(ProbabilityOfChoice, WhatMissesALimitIsNotTakenUnlessAllDo) {
   other.written["rescored"]["cnr"] = 2.9;
   EXPECT_NEAR(of({blind, other})[0], 1.0, 1e-9);
   EXPECT_TRUE(of({seeing}).empty()) << "one alone";
+}
+
+// An interval of 95 %, of trials that are not scanned again: four standard errors wide.
+TEST(ProbabilityOfChoice, AnIntervalIsFourStandardErrorsWide) {
+  const auto with_interval = [](const std::string& key, double even, double width, double error) {
+    Finalist one = finalist(key, even, width, 0.0);
+    one.written["rescored"].erase("even.error");
+    one.written["rescored"]["even.low"] = even - 3.0 * error;  // need not be even on both sides
+    one.written["rescored"]["even.high"] = even + error;
+    return one;
+  };
+  const std::vector<double> found = probabilities_of_choice(
+      weighted_goal(),
+      front_of_two(),
+      {with_interval("a", 7.0, 60.0, 0.8), with_interval("b", 5.0, 30.0, 0.6)});
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[1], normal_below(1.0), 0.02);
+}
+
+// One finalist has a standard error and no scans (a tunnel of mirrors, path traced); the other has
+// scans alone, with a standard deviation of 0.6.
+TEST(ProbabilityOfChoice, ScansOfOneAloneAreItsStandardError) {
+  const std::vector<Finalist> two = {finalist("a", 7.0, 60.0, 0.8),
+                                     scanned("b", 5.0, 30.0, {-0.6, 0.0, 0.6})};
+  const std::vector<double> found = probabilities_of_choice(weighted_goal(), front_of_two(), two);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[1], normal_below(1.0), 0.02);
+}
+
+// One finalist could not be scanned again and tells no error: it is not exact.
+TEST(ProbabilityOfChoice, IsNotToldWhereNoiseIsNotKnown) {
+  const std::vector<Finalist> two = {scanned("a", 7.0, 60.0, {}),
+                                     scanned("b", 5.0, 30.0, {-0.6, 0.0, 0.6})};
+  EXPECT_TRUE(probabilities_of_choice(weighted_goal(), front_of_two(), two).empty());
+  Json front = front_of_two();
+  Json result = Json::object();
+  add_probability_best(weighted_goal(), two, front, result);
+  EXPECT_FALSE(result.contains("probability_best"));
+  EXPECT_EQ(result["probability_best_unknown"],
+            "how far noise moves even of Design a is not known");
+  EXPECT_FALSE(front["designs"][0].contains("probability_best"));
 }
 
 // No design of the search keeps the limits: two prototypes are all that there is.

@@ -53,6 +53,7 @@ assert.deepEqual(logTicks(0.001, 100), [0.001, 0.01, 0.1, 1, 10, 100]);
 assert.equal(chosenText({ front: {} }), '');
 assert.match(chosenText({ front: { probability_best: [{ title: 'Evaluation 5', probability: 0.84 }, { title: 'Half', probability: 0.16 }, { title: 'Other', probability: 0.001 }] } }),
   /for all: Evaluation 5 84\u00a0%, Half 16\u00a0%\.$/);
+assert.match(chosenText({ front: { probability_best_unknown: 'how far noise moves h of Half is not known' } }), /No probability of being the compromise is told: how far .* not known\.$/);
 
 // Runs that are not comparable have a table each, ordered by their own objective.
 const runs = [{ title: 'a', group: 0, objective: { name: 'h', sense: 'maximise' } }, { title: 'b', group: 1, objective: { name: 'width', sense: 'minimise' } }, { title: 'c', group: 0 }];

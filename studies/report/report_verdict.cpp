@@ -12,6 +12,7 @@
 #include "core/text.h"
 #include "studies/report/report_findings.h"
 #include "studies/report/report_front.h"
+#include "studies/report/report_kinds.h"
 #include "studies/report/report_runs.h"
 #include "studies/report/verdict_of_designs.h"
 #include "studies/report/verdict_parts.h"
@@ -270,6 +271,7 @@ Verdict verdict_of_search(const Json& data, const Json& winner, const Wording& w
   const bool is_beaten = say_better_prototype(rivals, winner, wording, verdict);
   say_limits(data, winner, verdict);
   verdict.add(report_detail::findings_on(data, winner));
+  verdict.add(report_detail::findings_on_kinds(data));
   verdict.add(search_details(data, &winner, wording));
   const Json* baseline = baseline_of(rivals);
   verdict.judge(!is_beaten && (baseline == nullptr || is_ahead(*baseline, winner, wording)));
@@ -349,6 +351,7 @@ Verdict verdict_of_compromise(const Json& data, const Json& winner, const Wordin
   say_limits(data, winner, verdict);
   verdict.add(report_detail::findings_on_front(data));
   verdict.add(report_detail::findings_on(data, winner));
+  verdict.add(report_detail::findings_on_kinds(data));
   verdict.add(search_details(data, &winner, first));
   verdict.judge(!is_beaten && (baseline == nullptr || gains_on(data, *baseline, winner)));
   return verdict;

@@ -29,7 +29,7 @@ namespace glint {
 ///   runs_ranked, runs_infeasible, runs_apart, runs_differ   a comparison of runs
 ///   rescored, interrupted, budget, limit_rate   how the search went
 ///
-/// and those of studies/report/report_findings.h and studies/report/report_front.h.
+/// and those of report_findings.h, report_front.h and report_kinds.h in studies/report.
 nlohmann::ordered_json report_verdict(const nlohmann::ordered_json& data);
 
 /// Reading of report data, in which any field may be absent or null.

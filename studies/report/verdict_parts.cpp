@@ -20,8 +20,12 @@ void Verdict::add(std::vector<Finding> more) {
 }
 
 bool Verdict::is_doubtful() const {
-  constexpr std::array<std::string_view, 5> kDoubts = {
-      "defects_fainter", "defects_hidden", "objective_flat", "limit_lost", "compromise_dominated"};
+  constexpr std::array<std::string_view, 6> kDoubts = {"defects_fainter",
+                                                       "defects_hidden",
+                                                       "objective_flat",
+                                                       "limit_lost",
+                                                       "compromise_dominated",
+                                                       "kind_ahead"};
   const auto is_doubt = [&](const Finding& finding) {
     return std::ranges::find(kDoubts, finding.code) != kDoubts.end();
   };

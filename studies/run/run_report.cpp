@@ -23,6 +23,7 @@
 #include "studies/population/population_report.h"
 #include "studies/population/population_verdict.h"
 #include "studies/report/report.h"
+#include "studies/report/report_kinds.h"
 #include "studies/run/comparison/several_runs.h"
 #include "studies/run/run_closeups.h"
 #include "studies/run/scene_facts.h"
@@ -289,6 +290,10 @@ Json single_run(const fs::path& run) {
     data["panels"].push_back(accuracy_panel(result["accuracy"]));
   }
   add_noise_to_page(result, data);
+  if (!result.value("kinds", Json::array()).empty()) {
+    data["kinds"] = result["kinds"];
+    data["panels"].push_back(report_detail::kinds_panel(data));
+  }
   if (result.contains("manufacture")) {
     data["panels"].push_back(tolerance_panel(result["manufacture"], result["best"]["variables"]));
   }

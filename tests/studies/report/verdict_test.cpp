@@ -59,6 +59,15 @@ std::vector<Case> search_cases() {
            mended}};
 }
 
+/// The best design of a kind of light, scored again.
+Json kind_of(const std::string& name, double cnr) {
+  return {{"lighting_use", name},
+          {"trial", 4},
+          {"scores", {{"defects.min_cnr", 30.0}}},
+          {"rescored", {{"defects.min_cnr", cnr}}},
+          {"feasible", true}};
+}
+
 std::vector<Case> finding_cases() {
   const Json sound = sound_search();
   return {{"defects_clearer", sound, winner_at(4.0)},
@@ -93,6 +102,12 @@ std::vector<Case> finding_cases() {
           {"not_inspected",
            with([](Json& d) { d["designs"][1]["rescored"]["inspection.region_share"] = 0.8; }),
            [](Json& d) { d["designs"][1]["rescored"]["inspection.region_share"] = 1.0; }},
+          {"kind_ahead",
+           with([](Json& d) {
+             d["designs"][1]["variables"]["lighting_use"] = "dome";
+             d["kinds"] = {kind_of("ring", 25.0), kind_of("dome", 20.0)};
+           }),
+           [](Json& d) { d["designs"][1]["variables"]["lighting_use"] = "ring"; }},
           {"objective_flat",
            with([](Json& d) {
              for (std::size_t i = 0; i < 4; ++i) {
@@ -164,6 +179,27 @@ TEST(VerdictCodes, OfASearchComeWithTheirCauseAndGoWithIt) {
 
 TEST(VerdictCodes, OfDesignsAndRunsComeWithTheirCauseAndGoWithIt) {
   expect_triggered_and_not(other_cases());
+}
+
+// The search's own order is dome, ring; scored again it is the other way round.
+TEST(VerdictCodes, SaysWhichKindOfLightIsAheadOfTheWinners) {
+  Json data = with([](Json& d) {
+    d["designs"][1]["variables"]["lighting_use"] = "dome";
+    d["kinds"] = {kind_of("ring", 25.0), kind_of("dome", 20.0)};
+  });
+  EXPECT_THAT(text_of_code(data, "kind_ahead"),
+              HasSubstr("ring (evaluation 4: smallest CNR 25.0) comes before dome, the winner's "
+                        "kind of light (evaluation 4: smallest CNR 20.0): which kind is better is "
+                        "open."));
+  EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
+  for (Json& kind : data["kinds"]) {
+    kind["rescored"]["defects.min_cnr.error"] = 0.5;
+  }
+  EXPECT_THAT(text_of_code(data, "kind_ahead"), HasSubstr("the lead is larger than the noise"));
+  data["kinds"][0]["feasible"] = false;
+  EXPECT_EQ(codes_of(data).count("kind_ahead"), 0U) << "none keeps the limits";
+  std::swap(data["kinds"][0], data["kinds"][1]);
+  EXPECT_EQ(codes_of(data).count("kind_ahead"), 0U);
 }
 
 TEST(VerdictCodes, StandInTheSentenceOrInTheDetails) {

@@ -21,6 +21,7 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using ::testing::HasSubstr;
 
 const std::string kKinds =
     "schema = 1\nlighting_use = \"ring\"\n" + kPathPlate + kPathRing + kPathBar + R"(
@@ -72,6 +73,7 @@ TEST(BestOfEachKind, AreTheBestTrialsRescoredInTheSameWay) {
     EXPECT_NE(kind["rescored"]["defects.min_weber"], kind["scores"]["defects.min_weber"]);
   }
   EXPECT_EQ(names.size(), 3U);
+  EXPECT_THAT(read_file(folder / "out/report.html"), HasSubstr("\"title\":\"Kinds of light\""));
   for (std::size_t i = 1; i < kinds.size(); ++i) {
     if (kinds[i - 1]["feasible"] == kinds[i]["feasible"] && kinds[i]["feasible"].get<bool>()) {
       EXPECT_GE(kinds[i - 1]["rescored"]["defects.min_weber"].get<double>(),

@@ -40,6 +40,37 @@ bool are_alike(const SearchSpace& space, const Point& a, const Point& b) {
   return true;
 }
 
+/// The feasible trials, `first` first, then by what is expected of them.
+std::vector<const Trial*> in_order(const Goal& goal,
+                                   std::span<const Trial> trials,
+                                   const Expectations& expected,
+                                   int first) {
+  std::vector<const Trial*> ordered;
+  for (const Trial& trial : trials) {
+    if (is_judgeable(goal, trial) && is_feasible(goal, trial.outcome->scores)) {
+      ordered.push_back(&trial);
+    }
+  }
+  std::ranges::stable_sort(ordered, {}, [&](const Trial* trial) {
+    return std::pair(trial->number != first, expected_value(goal, *trial, expected));
+  });
+  return ordered;
+}
+
+/// Of each value of a choice that no taken design has, the first.
+void add_missing_kinds(const std::vector<const Trial*>& ordered,
+                       std::size_t choice,
+                       std::vector<const Trial*>& taken) {
+  for (const Trial* trial : ordered) {
+    const auto is_of_kind = [&](const Trial* other) {
+      return trial->point[choice] == other->point[choice];
+    };
+    if (std::ranges::none_of(taken, is_of_kind)) {
+      taken.push_back(trial);
+    }
+  }
+}
+
 }  // namespace
 
 bool tells_noise(const Goal& goal, std::span<const Trial> trials) {
@@ -75,23 +106,20 @@ std::vector<int> finalists_of(const Goal& goal,
                               std::span<const Trial> trials,
                               const Expectations& expected,
                               int first,
-                              std::size_t count) {
-  std::vector<const Trial*> ordered;
-  for (const Trial& trial : trials) {
-    if (is_judgeable(goal, trial) && is_feasible(goal, trial.outcome->scores)) {
-      ordered.push_back(&trial);
-    }
-  }
-  std::ranges::stable_sort(ordered, {}, [&](const Trial* trial) {
-    return std::pair(trial->number != first, expected_value(goal, *trial, expected));
-  });
+                              std::size_t count,
+                              std::optional<std::size_t> kinds) {
+  const std::vector<const Trial*> ordered = in_order(goal, trials, expected, first);
   std::vector<const Trial*> taken;
   for (const Trial* trial : ordered) {
-    const bool is_new = std::ranges::none_of(
-        taken, [&](const Trial* other) { return are_alike(space, trial->point, other->point); });
-    if (is_new && taken.size() < count) {
+    const auto is_like = [&](const Trial* other) {
+      return are_alike(space, trial->point, other->point);
+    };
+    if (taken.size() < count && std::ranges::none_of(taken, is_like)) {
       taken.push_back(trial);
     }
+  }
+  if (kinds) {
+    add_missing_kinds(ordered, *kinds, taken);
   }
   std::vector<int> numbers;
   std::ranges::transform(taken, std::back_inserter(numbers), &Trial::number);

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,13 +34,15 @@ Expectations expectations_of(const Goal& goal,
 /// every variable the worse is left out.
 /// @param space  checked
 /// @param first  the number of a feasible trial that is taken in any case, first
-/// @param count  >= 1, so many at most
+/// @param count  >= 1, so many at most, and beyond them
+/// @param kinds  index of a choice: the best of each of its values that has no design among them
 /// @return numbers of trials
 std::vector<int> finalists_of(const Goal& goal,
                               const SearchSpace& space,
                               std::span<const Trial> trials,
                               const Expectations& expected,
                               int first,
-                              std::size_t count);
+                              std::size_t count,
+                              std::optional<std::size_t> kinds = std::nullopt);
 
 }  // namespace glint

@@ -316,6 +316,7 @@ class Search {
   SearchResult finished_result() {
     SearchResult result = std::move(result_);
     result.algorithm = algorithm_name();
+    result.rules = task_.settings.rules;
     if (!on_derivatives_.empty()) {
       result.warnings.push_back(on_derivatives_);
     }

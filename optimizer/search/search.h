@@ -124,6 +124,7 @@ struct SearchResult {
   std::vector<std::string> warnings;
   std::optional<TradeOff> trade_off;  ///< of several objectives
   Expectations expected = {};         ///< where scores are noisy and the algorithm has models
+  int rules = kSearchRules;           ///< that it followed, SearchSettings::rules
 };
 
 /// @param interrupt  nullptr, or how often the user interrupted: at 1 the running evaluations

@@ -48,6 +48,15 @@ std::string design_key(const std::string& name, const SceneSettings& scene) {
   return name + " " + sha256_hex(to_toml(write_scene(scene)));
 }
 
+/// By rules 6 each kind of light has a finalist, where the search chooses among kinds.
+std::optional<std::size_t> kinds_in_race(const Study& study, const SearchResult& search) {
+  const std::vector<Variable>& variables = study.space.variables;
+  const auto found = std::ranges::find(variables, "lighting_use", &Variable::name);
+  return search.rules > 5 && found != variables.end()
+             ? std::optional(static_cast<std::size_t>(found - variables.begin()))
+             : std::nullopt;
+}
+
 std::vector<NamedEntrant> entrants_of(const Study& study,
                                       const std::vector<Trial>& trials,
                                       const SearchResult& search) {
@@ -59,7 +68,8 @@ std::vector<NamedEntrant> entrants_of(const Study& study,
                     trials,
                     search.expected,
                     search.best->number,
-                    static_cast<std::size_t>(num_finalists(study, search.evaluations)))) {
+                    static_cast<std::size_t>(num_finalists(study, search.evaluations)),
+                    kinds_in_race(study, search))) {
     const Point& point = trials[static_cast<std::size_t>(number - 1)].point;
     has_baseline = has_baseline || point == canonical(study.space, baseline_point(study));
     all.push_back(

@@ -244,6 +244,25 @@ TEST(FinalistsOf, AreTheBestByWhatIsExpectedAndNoTwoAlike) {
   EXPECT_EQ(finalists_of(kBounded, space, trials, expected, 6, 9), (std::vector<int>{6, 1, 3, 2}));
 }
 
+// Kind 0 has the three best designs; of kind 1 the better one comes last, and of kind 2 nothing is
+// within the limit.
+TEST(FinalistsOf, HaveOneOfEachKind) {
+  const SearchSpace space = {
+      {{.name = "x"},
+       {.name = "kind", .kind = Variable::Kind::kChoice, .choices = {"a", "b", "c"}}}};
+  const std::vector<Trial> trials = {told_trial(1, {0.1, 0.0}, 6.0),
+                                     told_trial(2, {0.4, 1.0}, 1.0),
+                                     told_trial(3, {0.6, 0.0}, 5.0),
+                                     told_trial(4, {0.7, 1.0}, 2.0),
+                                     told_trial(5, {0.5, 2.0}, 9.0, 2.0),
+                                     told_trial(6, {0.9, 0.0}, 4.0)};
+  EXPECT_EQ(finalists_of(kBounded, space, trials, {}, 1, 2), (std::vector<int>{1, 3}));
+  EXPECT_EQ(finalists_of(kBounded, space, trials, {}, 1, 2, 1), (std::vector<int>{1, 3, 4}));
+  const Expectations expected = {{2, {{3.0, 0.1}}}};
+  EXPECT_EQ(finalists_of(kBounded, space, trials, expected, 1, 2, 1), (std::vector<int>{1, 3, 2}));
+  EXPECT_EQ(finalists_of(kBounded, space, trials, {}, 1, 5, 1), (std::vector<int>{1, 3, 6, 4, 2}));
+}
+
 TEST(SearchResult, ExpectsOfNoisyDesignsWhatTheyTrulyAre) {
   const TemporaryFolder folder;
   const SearchResult found = test::search_into(folder, noisy_task(60), noisy_hill);

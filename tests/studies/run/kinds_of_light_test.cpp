@@ -82,6 +82,22 @@ TEST(BestOfEachKind, AreTheBestTrialsRescoredInTheSameWay) {
   }
 }
 
+/// A race of one finalist: those of the other kinds come in addition.
+TEST(BestOfEachKind, AreInTheRaceOfTheFinalists) {
+  const TemporaryFolder folder;
+  const Study study = study_in(folder, kKinds + "race = 1\n");
+  const Json result = run_study(
+      study, {.out = folder / "out", .threads = 2, .jobs = 2, .progress = Progress::Style::kNone});
+  std::set<std::string> raced;
+  for (const Json& entrant : result.at("race").at("entrants")) {
+    if (entrant.contains("trial")) {
+      raced.insert(entrant.at("variables").at("lighting_use").get<std::string>());
+    }
+  }
+  EXPECT_EQ(raced, (std::set<std::string>{"ring", "left", "ring+left"}));
+  EXPECT_EQ(result.at("race").at("finalists"), 3);
+}
+
 /// Of several objectives: the compromise of each kind's own front, in the order of the choice.
 TEST(BestOfEachKind, OfSeveralObjectivesAreTheCompromisesOfTheirFronts) {
   const TemporaryFolder folder;

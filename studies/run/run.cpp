@@ -320,10 +320,7 @@ class Run {
     if (is_interrupted_) {
       return winner["rescored"];
     }
-    // Of each kind of light, where the search chose among kinds.
-    Json kinds = best_of_each_kind(
-        store_, study_, storage.trials(TrialKind::kSearch), recorded_reference(storage.events()));
-    if (!kinds.is_null()) {
+    if (Json kinds = kinds_of_search(store_, study_, storage, search); !kinds.is_null()) {
       result["kinds"] = std::move(kinds);
     }
     return winner["rescored"];

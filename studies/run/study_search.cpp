@@ -88,12 +88,25 @@ Json noise_history(const Study& study,
   return list;
 }
 
+/// What a search of one objective knows beside its trials.
+struct Judged {
+  const Expectations& expected;
+  int winner = 0;
+};
+
 /// The best of some trials; of several objectives the compromise of their front.
 const Trial* best_of(const Study& study,
                      const std::vector<Trial>& trials,
-                     const std::optional<TradeOff>& front) {
+                     const std::optional<TradeOff>& front,
+                     const Judged& judged) {
   if (front && !front->trials.empty()) {
     return &*std::ranges::find(trials, front->trials[front->chosen], &Trial::number);
+  }
+  const std::vector<int> feasible =
+      front ? std::vector<int>{}
+            : finalists_of(study.goal, study.space, trials, judged.expected, judged.winner, 1);
+  if (!feasible.empty()) {
+    return &*std::ranges::find(trials, feasible.front(), &Trial::number);
   }
   const Trial* best = nullptr;
   for (const Trial& trial : trials) {
@@ -141,12 +154,13 @@ struct KindFinalist {
 std::optional<KindFinalist> finalist_of(SceneStore& store,
                                         const Study& study,
                                         const std::vector<Trial>& of_kind,
-                                        const std::vector<double>& reference) {
+                                        const std::vector<double>& reference,
+                                        const Judged& judged) {
   KindFinalist finalist;
   if (has_several_objectives(study.goal)) {
     finalist.front = trade_off(study.goal, of_kind, reference);
   }
-  const Trial* best = best_of(study, of_kind, finalist.front);
+  const Trial* best = best_of(study, of_kind, finalist.front, judged);
   std::optional<Scores> fresh =
       best != nullptr ? rescored(store, study, best->point) : std::optional<Scores>();
   if (!fresh) {
@@ -200,6 +214,29 @@ int count_on_front(const TradeOff& front,
   return static_cast<int>(std::ranges::count_if(front.trials, [&](int number) {
     return trials[static_cast<std::size_t>(number - 1)].point[variable] == value;
   }));
+}
+
+/// Those that could be rescored, in the order of the choices. @param use  index of lighting_use
+std::vector<KindFinalist> kind_finalists(SceneStore& store,
+                                         const Study& study,
+                                         const std::vector<Trial>& trials,
+                                         std::size_t use,
+                                         const std::vector<double>& reference,
+                                         const Judged& judged) {
+  const bool is_front = has_several_objectives(study.goal);
+  const TradeOff whole = is_front ? trade_off(study.goal, trials, reference) : TradeOff{};
+  const std::vector<std::string>& choices = study.space.variables[use].choices;
+  std::vector<KindFinalist> finalists;
+  for (std::size_t kind = 0; kind < choices.size(); ++kind) {
+    const auto value = static_cast<double>(kind);
+    const std::vector<Trial> of_kind = trials_with(study, trials, use, value);
+    if (auto finalist = finalist_of(store, study, of_kind, whole.reference, judged)) {
+      finalist->kind = choices[kind];
+      finalist->on_front = count_on_front(whole, trials, use, value);
+      finalists.push_back(*std::move(finalist));
+    }
+  }
+  return finalists;
 }
 
 }  // namespace
@@ -320,31 +357,39 @@ Outcome evaluate_candidate(SceneStore& store,
 Json best_of_each_kind(SceneStore& store,
                        const Study& study,
                        const std::vector<Trial>& trials,
-                       const std::vector<double>& reference) {
+                       const std::vector<double>& reference,
+                       const Expectations& expected,
+                       int winner) {
   const std::vector<Variable>& variables = study.space.variables;
   const auto found = std::ranges::find(variables, "lighting_use", &Variable::name);
   if (found == variables.end()) {
     return nullptr;
   }
-  const auto index = static_cast<std::size_t>(found - variables.begin());
-  const bool is_front = has_several_objectives(study.goal);
-  const TradeOff whole = is_front ? trade_off(study.goal, trials, reference) : TradeOff{};
-  std::vector<KindFinalist> finalists;
-  for (std::size_t kind = 0; kind < found->choices.size(); ++kind) {
-    const auto value = static_cast<double>(kind);
-    const std::vector<Trial> of_kind = trials_with(study, trials, index, value);
-    if (auto finalist = finalist_of(store, study, of_kind, whole.reference)) {
-      finalist->kind = found->choices[kind];
-      finalist->on_front = count_on_front(whole, trials, index, value);
-      finalists.push_back(*std::move(finalist));
-    }
-  }
+  std::vector<KindFinalist> finalists =
+      kind_finalists(store,
+                     study,
+                     trials,
+                     static_cast<std::size_t>(found - variables.begin()),
+                     reference,
+                     {.expected = expected, .winner = winner});
   sort_kinds(study.goal, finalists);
   Json kinds = Json::array();
   std::ranges::transform(finalists, std::back_inserter(kinds), [&](const KindFinalist& finalist) {
     return kind_json(study, finalist);
   });
   return kinds;
+}
+
+Json kinds_of_search(SceneStore& store,
+                     const Study& study,
+                     const Storage& storage,
+                     const SearchResult& search) {
+  return best_of_each_kind(store,
+                           study,
+                           storage.trials(TrialKind::kSearch),
+                           recorded_reference(storage.events()),
+                           study.search.is_noisy ? search.expected : Expectations{},
+                           search.best->number);
 }
 
 }  // namespace glint

@@ -60,6 +60,8 @@ nlohmann::ordered_json front_json(const Study& study,
 /// objectives it is the compromise of the kind's own front.
 /// @param trials     of the search
 /// @param reference  of several objectives: recorded_reference(); empty: that of the trials
+/// @param expected   of one noisy objective, by which the best is taken; empty: by what was seen
+/// @param winner     the number of the search's best trial, which stands for its kind; 0: none
 /// @return [ { lighting_use, trial, variables, scores: as the search saw them, rescored: { .. },
 ///           feasible: whether the rescored ones keep all limits, of several objectives
 ///           hypervolume: of the kind's own front, and on_front: how many designs of the whole
@@ -70,6 +72,14 @@ nlohmann::ordered_json front_json(const Study& study,
 nlohmann::ordered_json best_of_each_kind(SceneStore& store,
                                          const Study& study,
                                          const std::vector<Trial>& trials,
-                                         const std::vector<double>& reference = {});
+                                         const std::vector<double>& reference = {},
+                                         const Expectations& expected = {},
+                                         int winner = 0);
+
+/// best_of_each_kind() of a search that has ended. @param search  with a best trial
+nlohmann::ordered_json kinds_of_search(SceneStore& store,
+                                       const Study& study,
+                                       const Storage& storage,
+                                       const SearchResult& search);
 
 }  // namespace glint

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The finalists of a search among kinds of light: a rough plate under a ring, a bar, or both.
+#include <algorithm>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -80,6 +81,31 @@ TEST(BestOfEachKind, AreTheBestTrialsRescoredInTheSameWay) {
                 kinds[i]["rescored"]["defects.min_weber"].get<double>());
     }
   }
+}
+
+/// The model expects more of a trial that was seen to be worse; the winner stands for its kind.
+TEST(BestOfEachKind, AreThoseThatAreExpectedToBeTheBest) {
+  const TemporaryFolder folder;
+  const Study study = study_in(folder, kKinds);
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const auto seen = [](int number, double kind, double height_mm, double weber) {
+    return Trial{
+        .number = number,
+        .point = {kind, height_mm},
+        .outcome = Outcome{.scores = {{"defects.min_weber", weber}, {"homogeneity.mean", 0.5}}}};
+  };
+  const std::vector<Trial> trials = {
+      seen(1, 0.0, 25.0, 0.9), seen(2, 0.0, 35.0, 0.5), seen(3, 2.0, 30.0, 0.8)};
+  const auto trial_of_ring = [&](const Expectations& expected, int winner) {
+    const Json kinds = best_of_each_kind(store, study, trials, {}, expected, winner);
+    const auto ring = std::ranges::find_if(
+        kinds, [](const Json& kind) { return kind.at("lighting_use") == "ring"; });
+    return ring == kinds.end() ? 0 : ring->at("trial").get<int>();
+  };
+  EXPECT_EQ(trial_of_ring({}, 0), 1);
+  EXPECT_EQ(trial_of_ring({{1, {{0.4, 0.1}}}, {2, {{0.6, 0.1}}}}, 0), 2);
+  EXPECT_EQ(trial_of_ring({{1, {{0.4, 0.1}}}, {2, {{0.6, 0.1}}}}, 1), 1);
 }
 
 /// A race of one finalist: those of the other kinds come in addition.

@@ -61,7 +61,8 @@ namespace glint {
 /// 3: gp knows scores that follow from a design alone, and takes derivatives.
 /// 4: gp models the signed logarithm of limits.
 /// 5: gp knows the standard errors of limits; a start point that is given twice is asked once.
-/// 6: of each kind of light a design is among the finalists.
+/// 6: of each kind of light a design is among the finalists; of several objectives a gain of
+///    hypervolume is one that is larger than its noise.
 inline constexpr int kSearchRules = 6;
 
 /// Repeated points in a row after which a space counts as fully sampled.

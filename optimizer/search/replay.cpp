@@ -10,6 +10,7 @@
 
 #include "core/rng.h"
 #include "core/text.h"
+#include "optimizer/front/front.h"
 
 namespace glint {
 
@@ -165,6 +166,46 @@ std::vector<Point> first_points(const SearchTask& task, const std::vector<Point>
   return points;
 }
 
+/// Of each objective: the largest noise of the difference of a design to one that surely gained.
+std::vector<double> noise_of_lead(const Goal& goal, const Scores& scores, SearchMemory& memory) {
+  std::vector<double> noise;
+  for (const Objective& objective : objectives_of(goal)) {
+    noise.push_back(0.0);
+    for (const int number : memory.surely_gained) {
+      const Scores& other = memory.trial(number).outcome->scores;
+      noise.back() = std::max(noise.back(), difference_noise(objective, scores, other));
+    }
+  }
+  return noise;
+}
+
+/// Whether what a design adds to the hypervolume of those that surely gained is larger than its
+/// noise: by how much it changes, at most, where the design moves by noise_of_lead() in one
+/// objective; squares summed over the objectives.
+bool adds_more_than_noise(const Goal& goal, const Scores& scores, SearchMemory& memory) {
+  std::vector<std::vector<double>> rows;
+  for (const int number : memory.surely_gained) {
+    rows.push_back(minimised_objectives(goal, memory.trial(number).outcome->scores));
+  }
+  const double before = hypervolume(rows, memory.reference);
+  rows.push_back(minimised_objectives(goal, scores));
+  const auto gain = [&] { return hypervolume(rows, memory.reference) - before; };
+  const double seen = gain();
+  const std::vector<double> noise = noise_of_lead(goal, scores, memory);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < noise.size(); ++i) {
+    const double value = rows.back()[i];
+    double change = 0.0;
+    for (const double moved : {value - noise[i], value + noise[i]}) {
+      rows.back()[i] = moved;
+      change = std::max(change, std::abs(gain() - seen));
+    }
+    rows.back()[i] = value;
+    squares += change * change;
+  }
+  return squares <= 0.0 || seen > std::sqrt(squares);
+}
+
 /// Whether a told outcome that did not fail counts as progress. See Budget::stall.
 bool is_sure_gain(const Goal& goal, const Scores& scores, SearchMemory& memory) {
   const auto beats = [&](int number) {
@@ -184,7 +225,9 @@ bool is_sure_gain(const Goal& goal, const Scores& scores, SearchMemory& memory) 
       return is_first_feasible;
     }
   }
-  return std::ranges::all_of(memory.surely_gained, beats);
+  return std::ranges::all_of(memory.surely_gained, beats) &&
+         (memory.rules < 6 || memory.reference.empty() ||
+          adds_more_than_noise(goal, scores, memory));
 }
 
 }  // namespace
@@ -266,6 +309,7 @@ SearchMemory make_memory(const SearchTask& task, const Storage& storage) {
                                                         ExactValues(task.goal, task.exact));
   const int num_design = design_size(task.space, task.settings);
   return {
+      .rules = task.settings.rules,
       .algorithm = std::move(algorithm),
       .merit = MeritFunction(task.space,
                              task.goal,

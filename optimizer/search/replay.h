@@ -15,6 +15,7 @@
 namespace glint {
 
 struct SearchMemory {
+  int rules = kSearchRules;  ///< SearchSettings::rules
   std::unique_ptr<Algorithm> algorithm;
   MeritFunction merit;
   std::vector<Trial> trials;       ///< trial number n at index n - 1

@@ -36,7 +36,8 @@ struct Budget {
   double wall_clock_s = 0.0;  ///< of searching, without the time between runs; 0: no limit
   /// Evaluations without a design that is better by more than its noise (is_surely_better()); with
   /// several objectives without one that adds to the hypervolume: that beats, in some objective and
-  /// by more than noise, each design that added before. 0: no limit.
+  /// by more than noise, each design that added before, and adds more than the noise of what it
+  /// adds (by rules 6). 0: no limit.
   int stall = 0;
   std::optional<double> target;  ///< objective that a feasible design has to reach; of one only
   /// Not of the search: designs that race with fresh random numbers when it has ended; 0: none.

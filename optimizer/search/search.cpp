@@ -111,15 +111,33 @@ class Search {
     return limit > 0.0 && seconds_before_ + seconds_since(start_) >= limit;
   }
 
+  bool reaches_target(double value) const {
+    const double target = *task_.budget.target;
+    return task_.goal.objective.is_maximised ? value >= target : value <= target;
+  }
+
   bool has_reached_target() const {
     if (!task_.budget.target || !memory_.best) {
       return false;
     }
     const Scores& scores = trial(*memory_.best).outcome->scores;
-    const double value = scores.at(task_.goal.objective.name);
-    const double target = *task_.budget.target;
     return is_feasible(task_.goal, scores) &&
-           (task_.goal.objective.is_maximised ? value >= target : value <= target);
+           reaches_target(scores.at(task_.goal.objective.name)) &&
+           (!task_.settings.is_noisy || task_.settings.rules < 6 || is_target_expected());
+  }
+
+  /// Whether the model expects it of the best design, which one lucky evaluation does not make; of
+  /// methods without models nothing else is known.
+  bool is_target_expected() const {
+    const std::vector<std::vector<Expectation>> rows = memory_.algorithm->expected_objectives();
+    const auto best = expected_best(task_.goal, memory_.trials, memory_.tells, rows);
+    return best ? expects_target(expectations_of(task_.goal, memory_.tells, rows), *best)
+                : algorithm_name() != "gp";
+  }
+
+  bool expects_target(const Expectations& expected, int number) const {
+    const auto found = expected.find(number);
+    return found != expected.end() && reaches_target(found->second.front().mean);
   }
 
   /// Looked at between batches only, so that it does not depend on jobs or interruptions.
@@ -322,13 +340,7 @@ class Search {
     }
     result.reused = memory_.num_reused;
     result.seconds = seconds_before_ + seconds_since(start_);
-    for (const Trial& trial : memory_.trials) {
-      if (trial.outcome && !trial.outcome->is_failed &&
-          (!result.best ||
-           is_better(task_.goal, trial.outcome->scores, result.best->outcome->scores))) {
-        result.best = trial;
-      }
-    }
+    result.best = best_seen();
     const std::vector<std::vector<Expectation>> expected = expected_rows();
     result.expected = expectations_of(task_.goal, memory_.tells, expected);
     if (has_several_objectives(task_.goal)) {
@@ -339,7 +351,28 @@ class Search {
       result.best = best ? trial(*best) : result.best;
     }
     result.is_feasible = result.best && is_feasible(task_.goal, result.best->outcome->scores);
+    note_lucky_target(result);
     return result;
+  }
+
+  std::optional<Trial> best_seen() const {
+    std::optional<Trial> best;
+    for (const Trial& trial : memory_.trials) {
+      if (trial.outcome && !trial.outcome->is_failed &&
+          (!best || is_better(task_.goal, trial.outcome->scores, best->outcome->scores))) {
+        best = trial;
+      }
+    }
+    return best;
+  }
+
+  void note_lucky_target(SearchResult& result) const {
+    if (result.termination == Termination::kTarget && task_.settings.is_noisy &&
+        !expects_target(result.expected, result.best->number)) {
+      result.warnings.emplace_back(
+          "budget.target was reached by an evaluation with noise; that the winner reaches it "
+          "without is not expected");
+    }
   }
 
   /// One per tell; empty where scores are not noisy.

@@ -39,7 +39,9 @@ struct Budget {
   /// by more than noise, each design that added before, and adds more than the noise of what it
   /// adds (by rules 6). 0: no limit.
   int stall = 0;
-  std::optional<double> target;  ///< objective that a feasible design has to reach; of one only
+  /// Objective that a feasible design has to reach; of one only. Of a noisy one the model has to
+  /// expect it of the best design, where there is a model (by rules 6).
+  std::optional<double> target;
   /// Not of the search: designs that race with fresh random numbers when it has ended; 0: none.
   /// Empty: as many as race_size() says.
   std::optional<int> race;
@@ -121,7 +123,7 @@ struct SearchResult {
   double seconds = 0.0;
   std::string algorithm;  ///< the name that `auto` stood for
   /// Runs of the algorithm that had to be abandoned; derivatives that are not used; a reference
-  /// that lies inside the front.
+  /// that lies inside the front; a target that was reached by noise.
   std::vector<std::string> warnings;
   std::optional<TradeOff> trade_off;  ///< of several objectives
   Expectations expected = {};         ///< where scores are noisy and the algorithm has models

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// When a search with noise ends: what counts as a gain of hypervolume.
+// When a search with noise ends: what counts as a gain of hypervolume, and as reaching a target.
+#include <cmath>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/optimizer/search/searching.h"
@@ -29,6 +32,36 @@ TEST(NoisyBudget, AGainOfAnExactObjectiveIsComparedWithTheNoiseOfTheVolume) {
   EXPECT_EQ(end_of_narrowing(1e-6, 5), Termination::kEvaluations) << "as runs did that began so";
   // Each step adds 0.3 of area; "dark" moved by 0.003 would add 0.003 x 31 at most.
   EXPECT_EQ(end_of_narrowing(0.3, kSearchRules), Termination::kEvaluations);
+}
+
+/// A hill of 5 with a known error, that `lucky` (0: none) shows as 8.
+SearchResult search_for(double target, double error, int lucky, int rules) {
+  const SearchTask task = {.space = test::box(2, 0, 1),
+                           .settings = {.algorithm = "gp", .is_noisy = true, .rules = rules},
+                           .goal = {.objective = {.name = "gain"}},
+                           .budget = {.evaluations = 40, .target = target}};
+  const TemporaryFolder folder;
+  const auto evaluate = [=](const Point& p, int trial) {
+    const double hill = 5.0 - 8.0 * (std::pow(p[0] - 0.3, 2) + std::pow(p[1] - 0.6, 2));
+    return Outcome{.scores = {{"gain", trial == lucky ? 8.0 : hill}, {"gain.error", error}}};
+  };
+  return test::search_into(folder, task, evaluate);
+}
+
+TEST(NoisyBudget, ATargetIsReachedByWhatIsExpectedAndNotByOneLuckyEvaluation) {
+  const SearchResult unlucky = search_for(7.5, 3.0, 20, kSearchRules);
+  EXPECT_EQ(unlucky.termination, Termination::kEvaluations);
+  EXPECT_TRUE(unlucky.warnings.empty());
+  const SearchResult earlier = search_for(7.5, 3.0, 20, 5);
+  EXPECT_EQ(earlier.termination, Termination::kTarget);
+  EXPECT_EQ(earlier.evaluations, 20);
+  ASSERT_EQ(earlier.warnings.size(), 1U);
+  EXPECT_THAT(earlier.warnings[0], testing::HasSubstr("was reached by an evaluation with noise"));
+  const SearchResult true_one = search_for(4.5, 0.05, 0, kSearchRules);
+  EXPECT_EQ(true_one.termination, Termination::kTarget);
+  EXPECT_LT(true_one.evaluations, 40);
+  EXPECT_TRUE(true_one.warnings.empty());
+  EXPECT_GE(true_one.expected.at(true_one.best->number).front().mean, 4.5);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kMaxViolation = 1e6;
 constexpr double kMaxMerit = 1e100;
+constexpr double kErrorsPerHalf = 2.0;  // an interval of 95 %, as others are
 
 double minimised(const Objective& objective, const Scores& scores) {
   const double value = scores.at(objective.name);
@@ -102,27 +103,10 @@ std::vector<std::string> missing_derivatives(const SearchSpace& space,
   return names;
 }
 
-/// NaN where it is not known.
-double standard_error(const Scores& scores, const std::string& name) {
-  const auto error = scores.find(name + ".error");
-  const bool is_known = error != scores.end() && std::isfinite(error->second);
-  return is_known ? std::abs(error->second) : std::numeric_limits<double>::quiet_NaN();
-}
-
 void clear_if_unknown(std::vector<double>& errors) {
   if (std::ranges::all_of(errors, [](double error) { return std::isnan(error); })) {
     errors.clear();
   }
-}
-
-/// Of all objectives, NaN where it is not known; empty where none is.
-std::vector<double> standard_errors(const Goal& goal, const Scores& scores) {
-  std::vector<double> errors;
-  for (const Objective& objective : objectives_of(goal)) {
-    errors.push_back(standard_error(scores, objective.name));
-  }
-  clear_if_unknown(errors);
-  return errors;
 }
 
 std::string problem_with_score(const Scores& scores,
@@ -260,7 +244,6 @@ bool is_better(const Goal& goal, const Scores& a, const Scores& b) {
 }
 
 double objective_noise(const Objective& objective, const Scores& scores) {
-  constexpr double kErrorsPerHalf = 2.0;  // an interval of 95 %, as others are
   std::string name = objective.name;
   for (const std::string_view end : {".low", ".high"}) {
     if (name.ends_with(end)) {
@@ -293,13 +276,18 @@ bool is_surely_better(const Goal& goal, const Scores& a, const Scores& b) {
   });
 }
 
-MeritFunction::MeritFunction(
-    SearchSpace space, Goal goal, FailurePolicy policy, int num_scale, bool holds_unknown)
+MeritFunction::MeritFunction(SearchSpace space,
+                             Goal goal,
+                             FailurePolicy policy,
+                             int num_scale,
+                             bool holds_unknown,
+                             bool takes_intervals)
     : space_(std::move(space)),
       goal_(std::move(goal)),
       policy_(policy),
       num_scale_(num_scale),
-      holds_unknown_(holds_unknown) {}
+      holds_unknown_(holds_unknown),
+      takes_intervals_(takes_intervals) {}
 
 Answer MeritFunction::next(const Point& point, const Outcome& outcome) {
   std::vector<double> unit = unit_from_point(space_, point);
@@ -323,13 +311,31 @@ Answer MeritFunction::next(const Point& point, const Outcome& outcome) {
   for (const double objective : objectives) {
     answer.objectives.push_back(std::clamp(objective, -kMaxMerit, kMaxMerit));
   }
-  answer.errors = standard_errors(goal_, outcome.scores);
+  answer.errors = standard_errors(outcome.scores);
   if (!outcome.gradients.empty()) {
     const double sign = goal_.objective.is_maximised ? -1.0 : 1.0;
     answer.objective.gradient = gradient_of(space_, point, outcome, goal_.objective.name, sign);
   }
   add_limits(point, outcome, answer);
   return answer;
+}
+
+double MeritFunction::standard_error(const Scores& scores, const std::string& name) const {
+  if (const auto own = scores.find(name + ".error");
+      own != scores.end() && std::isfinite(own->second)) {
+    return std::abs(own->second);
+  }
+  const double noise = takes_intervals_ ? objective_noise({.name = name}, scores) : 0.0;
+  return noise > 0.0 ? noise / kErrorsPerHalf : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::vector<double> MeritFunction::standard_errors(const Scores& scores) const {
+  std::vector<double> errors;
+  for (const Objective& objective : objectives_of(goal_)) {
+    errors.push_back(standard_error(scores, objective.name));
+  }
+  clear_if_unknown(errors);
+  return errors;
 }
 
 void MeritFunction::add_limits(const Point& point, const Outcome& outcome, Answer& answer) const {

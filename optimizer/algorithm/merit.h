@@ -101,12 +101,17 @@ class MeritFunction {
   /// @param num_scale  outcomes that fix the penalty's scale, >= 1
   /// @param holds_unknown  a limit whose derivatives are not known, beside others that are, is told
   ///                       as constant and kept, as methods need it that stand on derivatives
-  MeritFunction(
-      SearchSpace space, Goal goal, FailurePolicy policy, int num_scale, bool holds_unknown = true);
+  /// @param takes_intervals  a score without a standard error has half of objective_noise()
+  MeritFunction(SearchSpace space,
+                Goal goal,
+                FailurePolicy policy,
+                int num_scale,
+                bool holds_unknown = true,
+                bool takes_intervals = true);
 
   /// What to tell of the next outcome in the order of telling. Its limits are, for each constraint,
   /// first of min, then of max: (excess beyond the limit) / |limit| + kLimitMargin, with the
-  /// score's own standard error in the same unit.
+  /// score's standard error in the same unit.
   Answer next(const Point& point, const Outcome& outcome);
 
   double penalty_scale() const;
@@ -121,6 +126,10 @@ class MeritFunction {
   double spread(std::size_t objective) const;
   /// What the penalty is added to. @param objectives  of the goal, minimised
   double combined(const std::vector<double>& objectives) const;
+  /// NaN where it is not known.
+  double standard_error(const Scores& scores, const std::string& name) const;
+  /// Of all objectives; empty where none is known.
+  std::vector<double> standard_errors(const Scores& scores) const;
   void add_limits(const Point& point, const Outcome& outcome, Answer& answer) const;
   double failed_merit(const std::vector<double>& unit) const;
 
@@ -129,6 +138,7 @@ class MeritFunction {
   FailurePolicy policy_;
   int num_scale_;
   bool holds_unknown_;
+  bool takes_intervals_;
   int num_told_ = 0;
   std::vector<double> smallest_;  ///< one per objective; empty: none was told
   std::vector<double> largest_;

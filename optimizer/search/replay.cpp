@@ -315,7 +315,8 @@ SearchMemory make_memory(const SearchTask& task, const Storage& storage) {
                              task.goal,
                              failure_policy(task.space, task.settings, num_objectives(task.goal)),
                              num_design,
-                             !task.settings.derivatives),
+                             !task.settings.derivatives,
+                             task.settings.rules > 5),
       .num_archived = static_cast<int>(archived.size()),
       .num_design = num_design};
 }

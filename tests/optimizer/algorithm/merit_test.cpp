@@ -235,6 +235,26 @@ TEST(Goal, RefusesWrongConstraints) {
               HasSubstr("weight"));
 }
 
+TEST(MeritFunction, TakesAQuarterOfAnIntervalForTheErrorThatIsNotTold) {
+  const Goal goal = {.objective = {.name = "h"},
+                     .constraints = {{.name = "cnr", .min = 4.0, .max = {}}}};
+  Outcome outcome{.scores = {{"h", 0.8}, {"h.low", 0.7}, {"h.high", 0.9}, {"cnr", 5.0}}};
+  outcome.scores["cnr.low"] = 4.2;
+  outcome.scores["cnr.high"] = 5.8;
+  const auto told = [&](bool takes_intervals) {
+    return MeritFunction(test::box(1, 0, 1), goal, FailurePolicy::kWorst, 2, true, takes_intervals)
+        .next({0.5}, outcome);
+  };
+  ASSERT_EQ(told(true).errors.size(), 1U);
+  EXPECT_NEAR(told(true).errors[0], 0.05, 1e-12);
+  ASSERT_EQ(told(true).limit_errors.size(), 1U);
+  EXPECT_NEAR(told(true).limit_errors[0], 0.1, 1e-12);  // 0.4, in parts of the limit
+  EXPECT_TRUE(told(false).errors.empty());
+  EXPECT_TRUE(told(false).limit_errors.empty());
+  outcome.scores["h.error"] = 0.01;
+  EXPECT_DOUBLE_EQ(told(true).errors[0], 0.01);
+}
+
 Scores with_interval(double h, double low, double high) {
   return {{"h", h}, {"h.low", low}, {"h.high", high}, {"cnr", 4.0}, {"clipped", 0.0}};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// When a search with noise ends: what counts as a gain of hypervolume, and as reaching a target.
+// Where rules 6 take noise into account and earlier ones do not: what counts as a gain of
+// hypervolume and as reaching a target, and what models know of intervals.
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -27,7 +28,7 @@ Termination end_of_narrowing(double step, int rules) {
   return test::search_into(folder, task, narrowing).termination;
 }
 
-TEST(NoisyBudget, AGainOfAnExactObjectiveIsComparedWithTheNoiseOfTheVolume) {
+TEST(NoiseRules, AGainOfAnExactObjectiveIsComparedWithTheNoiseOfTheVolume) {
   EXPECT_EQ(end_of_narrowing(1e-6, kSearchRules), Termination::kStall);
   EXPECT_EQ(end_of_narrowing(1e-6, 5), Termination::kEvaluations) << "as runs did that began so";
   // Each step adds 0.3 of area; "dark" moved by 0.003 would add 0.003 x 31 at most.
@@ -48,7 +49,7 @@ SearchResult search_for(double target, double error, int lucky, int rules) {
   return test::search_into(folder, task, evaluate);
 }
 
-TEST(NoisyBudget, ATargetIsReachedByWhatIsExpectedAndNotByOneLuckyEvaluation) {
+TEST(NoiseRules, ATargetIsReachedByWhatIsExpectedAndNotByOneLuckyEvaluation) {
   const SearchResult unlucky = search_for(7.5, 3.0, 20, kSearchRules);
   EXPECT_EQ(unlucky.termination, Termination::kEvaluations);
   EXPECT_TRUE(unlucky.warnings.empty());
@@ -62,6 +63,30 @@ TEST(NoisyBudget, ATargetIsReachedByWhatIsExpectedAndNotByOneLuckyEvaluation) {
   EXPECT_LT(true_one.evaluations, 40);
   EXPECT_TRUE(true_one.warnings.empty());
   EXPECT_GE(true_one.expected.at(true_one.best->number).front().mean, 4.5);
+}
+
+std::vector<Point> asked_with_interval(double half, int rules) {
+  const SearchTask task = {.space = test::box(2, 0, 1),
+                           .settings = {.algorithm = "gp", .rules = rules},
+                           .goal = {.objective = {.name = "gain"}},
+                           .budget = {.evaluations = 20}};
+  const TemporaryFolder folder;
+  test::search_into(folder, task, [half](const Point& p, int) {
+    const double gain = -std::pow(p[0] - 0.3, 2) - std::pow(p[1] - 0.6, 2);
+    return Outcome{
+        .scores = {{"gain", gain}, {"gain.low", gain - half}, {"gain.high", gain + half}}};
+  });
+  std::vector<Point> points;
+  for (const Trial& trial : Storage::read(folder / "s.sqlite").trials(TrialKind::kSearch)) {
+    points.push_back(trial.point);
+  }
+  return points;
+}
+
+TEST(NoiseRules, ModelsKnowIntervalsOfScoresWithoutErrors) {
+  EXPECT_EQ(asked_with_interval(0.0, 5), asked_with_interval(0.2, 5));
+  EXPECT_EQ(asked_with_interval(0.0, 5), asked_with_interval(0.0, kSearchRules));
+  EXPECT_NE(asked_with_interval(0.0, kSearchRules), asked_with_interval(0.2, kSearchRules));
 }
 
 }  // namespace

@@ -63,7 +63,8 @@ namespace glint {
 /// 5: gp knows the standard errors of limits; a start point that is given twice is asked once.
 /// 6: of each kind of light a design is among the finalists; of several objectives a gain of
 ///    hypervolume is one that is larger than its noise; a target is reached where gp expects so;
-///    gp knows the intervals of scores that have no standard error.
+///    gp knows the intervals of scores that have no standard error, and of many designs keeps the
+///    front.
 inline constexpr int kSearchRules = 6;
 
 /// Repeated points in a row after which a space counts as fully sampled.

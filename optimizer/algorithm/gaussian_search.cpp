@@ -214,7 +214,8 @@ void GaussianSearch::add_models(bool has_failures) {
 void GaussianSearch::refit() {
   const auto num_values = static_cast<std::size_t>(plan_.num_objectives + plan_.num_limits);
   add_models(num_succeeded_ < told_.size());
-  const ModelData data = model_data(told_, num_values);
+  const ModelData data = model_data(told_, num_values, num_front());
+  note_subset(data.all.size(), told_.size());
   max_derivatives_ = derivatives_per_model(told_, num_values);
   for (std::size_t k = 0; k < num_values; ++k) {
     const std::vector<UnitDerivatives> derivatives =
@@ -249,6 +250,17 @@ void GaussianSearch::refit() {
   }
 }
 
+/// Says so in the log when the models know a part of what was told for the first time.
+void GaussianSearch::note_subset(std::size_t num_known, std::size_t num_told) {
+  if (plan_.rules > 5 && num_known < num_told && !is_subset_) {
+    add_event(EventKind::kNote,
+              0,
+              "from here on the models know a part of what is told: " + std::to_string(num_known) +
+                  " of " + std::to_string(num_told) + " designs");
+  }
+  is_subset_ = num_known < num_told;
+}
+
 /// The models of objectives and limits with given parameters. @return derivatives let go
 int GaussianSearch::set_with_derivatives(const ModelData& data,
                                          const std::vector<KernelParameters>& parameters) {
@@ -271,7 +283,8 @@ void GaussianSearch::rebuild(const Fit& fit) {
   add_models(fit.parameters.size() > num_values);
   GLINT_CHECK(fit.parameters.size() == models_.size(), "parameters of every model");
   const auto told = std::span<const ToldDesign>(told_).first(fit.num_told);
-  const ModelData data = model_data(told, num_values);
+  const ModelData data = model_data(told, num_values, num_front());
+  is_subset_ = data.all.size() < told.size();
   max_derivatives_ = derivatives_per_model(told, num_values);
   if (plan_.takes_derivatives) {
     set_with_derivatives(data, fit.parameters);

@@ -7,8 +7,9 @@
 //   acquisition.h and random candidates.
 // - Designs that are asked and not told yet count as told what the models expect of them.
 // - The models' parameters are chosen anew when a quarter more has been told, in between data are
-//   added. Beyond 800 told designs the models know at most 800 of them: the best, and others evenly
-//   in the order of telling.
+//   added. Beyond 800 told designs the models know at most 800 of them: of several objectives (by
+//   rules 6) the front, the best, and others evenly in the order of telling. The first time is
+//   noted in the log.
 // - With derivatives (GaussianSearchPlan::takes_derivatives) models know those of designs near the
 // best
 //   one, 300 in all; which contradict the rest is found by leaving each out.
@@ -78,6 +79,14 @@ class GaussianSearch final : public Algorithm {
   void add_limit(const Answer& answer, std::size_t i, ToldDesign& told) const;
   void update_models();
   void refit();
+
+  /// Of how many objectives the models keep the front.
+  std::size_t num_front() const {
+    const bool is_kept = plan_.rules > 5 && plan_.num_objectives > 1;
+    return is_kept ? static_cast<std::size_t>(plan_.num_objectives) : 0;
+  }
+
+  void note_subset(std::size_t num_known, std::size_t num_told);
   void rebuild(const Fit& fit);
   int set_with_derivatives(const ModelData& data, const std::vector<KernelParameters>& parameters);
   void note_fit(std::size_t num_told);
@@ -100,6 +109,7 @@ class GaussianSearch final : public Algorithm {
   std::vector<Point> model_points_;      ///< of the objectives' models, in their order
   std::size_t num_in_models_ = 0;        ///< of told_
   std::size_t next_refit_ = 0;
+  bool is_subset_ = false;   ///< whether the models were last chosen to know a part of told_
   int max_derivatives_ = 0;  ///< derivatives that a model may know
   std::uint32_t next_sobol_ = 0;
   std::uint64_t num_asks_ = 0;

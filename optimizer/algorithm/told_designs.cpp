@@ -5,13 +5,50 @@
 #include <cmath>
 #include <numeric>
 
+#include "optimizer/algorithm/merit.h"
+#include "optimizer/front/expected_hypervolume.h"
+#include "optimizer/front/front.h"
+
 namespace glint {
 
 namespace {
 
 constexpr int kMaxDerivatives = 300;
 
-std::vector<std::size_t> to_model(std::span<const ToldDesign> designs) {
+bool keeps_told_limits(const ToldDesign& told, std::size_t num_objectives) {
+  return !told.values.empty() &&
+         std::all_of(told.values.begin() + static_cast<std::ptrdiff_t>(num_objectives),
+                     told.values.end(),
+                     [](double limit) { return limit <= MeritFunction::kLimitMargin; });
+}
+
+/// So many designs of the front of those within the limits; none without objectives.
+std::vector<std::size_t> told_front(std::span<const ToldDesign> designs,
+                                    std::size_t num_objectives,
+                                    std::size_t count) {
+  std::vector<std::size_t> feasible;
+  std::vector<std::vector<double>> rows;
+  for (std::size_t i = 0; i < designs.size() && num_objectives > 0; ++i) {
+    if (keeps_told_limits(designs[i], num_objectives)) {
+      const auto begin = designs[i].values.begin();
+      feasible.push_back(i);
+      rows.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(num_objectives));
+    }
+  }
+  std::vector<std::size_t> front;
+  std::vector<std::vector<double>> on_front;
+  for (const std::size_t row : front_of(rows)) {
+    front.push_back(feasible[row]);
+    on_front.push_back(rows[row]);
+  }
+  std::vector<std::size_t> kept;
+  for (const std::size_t row : spread_rows(on_front, count)) {
+    kept.push_back(front[row]);
+  }
+  return kept;
+}
+
+std::vector<std::size_t> to_model(std::span<const ToldDesign> designs, std::size_t num_front) {
   std::vector<std::size_t> indices(designs.size());
   std::iota(indices.begin(), indices.end(), std::size_t{0});
   if (indices.size() <= kMaxModelPoints) {
@@ -22,8 +59,12 @@ std::vector<std::size_t> to_model(std::span<const ToldDesign> designs) {
     const bool fails_b = designs[b].values.empty();
     return fails_a != fails_b ? fails_b : designs[a].merit < designs[b].merit;
   });
-  std::vector<std::size_t> kept(indices.begin(), indices.begin() + kKeptModelPoints / 3);
-  std::vector<std::size_t> others(indices.begin() + kKeptModelPoints / 3, indices.end());
+  std::vector<std::size_t> kept = told_front(designs, num_front, kKeptModelPoints / 3);
+  std::erase_if(indices, [&](std::size_t i) { return std::ranges::binary_search(kept, i); });
+  const auto best =
+      indices.begin() + static_cast<std::ptrdiff_t>(kKeptModelPoints / 3 - kept.size());
+  kept.insert(kept.end(), indices.begin(), best);
+  std::vector<std::size_t> others(best, indices.end());
   std::ranges::sort(others);
   const std::size_t room = kKeptModelPoints - kept.size();
   for (std::size_t i = 0; i < room; ++i) {
@@ -35,10 +76,12 @@ std::vector<std::size_t> to_model(std::span<const ToldDesign> designs) {
 
 }  // namespace
 
-ModelData model_data(std::span<const ToldDesign> designs, std::size_t num_values) {
+ModelData model_data(std::span<const ToldDesign> designs,
+                     std::size_t num_values,
+                     std::size_t num_front) {
   ModelData data{.values = std::vector<std::vector<double>>(num_values),
                  .errors = std::vector<std::vector<double>>(num_values)};
-  for (const std::size_t index : to_model(designs)) {
+  for (const std::size_t index : to_model(designs, num_front)) {
     const ToldDesign& told = designs[index];
     const bool is_failed = told.values.empty();
     data.all.push_back(told.point);

@@ -39,9 +39,13 @@ struct ModelData {
   std::vector<std::size_t> told;  ///< which of the designs points are
 };
 
-/// All designs; when there are too many, the best third, and others evenly in the order of telling.
+/// All designs; when there are too many, a third of them first: the front of those within the
+/// limits (spread_rows() of it), then the best; and others evenly in the order of telling.
 /// @param num_values  objectives and limits
-ModelData model_data(std::span<const ToldDesign> designs, std::size_t num_values);
+/// @param num_front   of the objectives whose front is kept: all; 0: none is
+ModelData model_data(std::span<const ToldDesign> designs,
+                     std::size_t num_values,
+                     std::size_t num_front = 0);
 
 int num_known(const UnitDerivatives& derivatives);
 

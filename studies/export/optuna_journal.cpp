@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/export/optuna_journal.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -10,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "optimizer/algorithm/merit.h"
 #include "optimizer/storage/storage.h"
 #include "studies/definition/study.h"
 
@@ -27,6 +29,7 @@ constexpr int kComplete = 1;
 constexpr int kFail = 3;
 constexpr int kMinimise = 1;
 constexpr int kMaximise = 2;
+constexpr double kFarBeyond = 1e300;  // stands for infinity, which JSON has not
 
 /// Optuna knows no logarithmic numbers with a step: they are told as plain ones.
 Json distribution_of(const Variable& variable) {
@@ -61,7 +64,8 @@ Json violations_of(const Goal& goal, const Scores& scores) {
   Json beyond = Json::array();
   for (const Constraint& constraint : goal.constraints) {
     const auto found = scores.find(constraint.name);
-    const double value = found == scores.end() ? 0.0 : found->second;
+    const double value =
+        found == scores.end() ? 0.0 : std::clamp(found->second, -kFarBeyond, kFarBeyond);
     if (constraint.min) {
       beyond.push_back(*constraint.min - value);
     }
@@ -72,27 +76,9 @@ Json violations_of(const Goal& goal, const Scores& scores) {
   return beyond;
 }
 
-bool has_score(const Scores& scores, const std::string& name) {
-  const auto found = scores.find(name);
-  return found != scores.end() && std::isfinite(found->second);
-}
-
 /// As the search judges: without one of the scores that it needs a trial has failed.
 bool is_complete(const Goal& goal, const Outcome& outcome) {
-  if (outcome.is_failed) {
-    return false;
-  }
-  for (const Objective& objective : objectives_of(goal)) {
-    if (!has_score(outcome.scores, objective.name)) {
-      return false;
-    }
-  }
-  for (const Constraint& constraint : goal.constraints) {
-    if (!has_score(outcome.scores, constraint.name)) {
-      return false;
-    }
-  }
-  return true;
+  return !outcome.is_failed && problem_with(goal, outcome.scores).empty();
 }
 
 std::string time_text(double seconds) {

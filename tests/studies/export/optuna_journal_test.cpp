@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -87,6 +88,17 @@ TEST(OptunaJournal, HoldsDirectionsDistributionsAndConstraints) {
   EXPECT_EQ(lines[4]["state"], 3) << "without a limited score the search counts it as failed";
   const Json leds = Json::parse(lines[2]["distributions"]["dome.leds"].get<std::string>());
   EXPECT_EQ(leds["attributes"]["high"], 8) << "the last value that the steps reach";
+}
+
+/// The search judges a limited score that has no end; JSON has no number for it.
+TEST(OptunaJournal, AnInfiniteLimitedScoreIsFarBeyondItsLimit) {
+  std::vector<Trial> all = trials();
+  all[0].outcome->scores["clipped"] = std::numeric_limits<double>::infinity();
+  OptunaExport counts;
+  const auto lines = lines_of(optuna_journal("lights", lights(), goal(), all, &counts));
+  EXPECT_EQ(counts.complete, 2U);
+  EXPECT_EQ(lines[1]["state"], 1);
+  EXPECT_EQ(lines[1]["system_attrs"]["constraints"], Json({-1e300, 1e300}));
 }
 
 TEST(OptunaJournal, HoldsEveryDirectionAndValueOfSeveralObjectives) {

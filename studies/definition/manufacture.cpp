@@ -33,11 +33,13 @@ std::string refused_end(const Study& study, const Tolerance& tolerance) {
                          0.5 * (variable->high - variable->low));
     }
     nominal = 0.5 * (variable->low + variable->high);
+    nominal = tolerance.is_integer ? std::round(nominal) : nominal;
   }
   for (const double sign : {-1.0, 1.0}) {
     const double value = nominal + sign * tolerance.plus_minus;
     try {
-      scene_with(study, {{tolerance.key, ConfigNode::from_number(value)}});
+      scene_with(study,
+                 {{tolerance.key, moved_value(*study.resolved.at_path(tolerance.key), value)}});
     } catch (const ConfigError& error) {
       const Problem& first = error.problems().front();
       // Conditions between keys depend on the others, too.
@@ -53,7 +55,7 @@ std::string refused_end(const Study& study, const Tolerance& tolerance) {
 }
 
 /// @return what is wrong with { plus_minus = .. } itself
-std::string refused_value(const ConfigNode& node) {
+std::string refused_value(const ConfigNode& node, bool is_integer) {
   const ConfigNode* value = node.is_table() ? node.find("plus_minus") : nullptr;
   if (value == nullptr || !value->is_number() || node.names.size() != 1) {
     return "must be a table { plus_minus = number > 0 }";
@@ -61,10 +63,20 @@ std::string refused_value(const ConfigNode& node) {
   if (!(value->number > 0.0) || !std::isfinite(value->number)) {
     return fmt::format("plus_minus = {} must be > 0", value->number);
   }
+  if (is_integer && value->number != std::floor(value->number)) {
+    return fmt::format("plus_minus = {} must be a whole number, as the key's values are",
+                       value->number);
+  }
   return "";
 }
 
 }  // namespace
+
+ConfigNode moved_value(const ConfigNode& node, double value) {
+  return node.kind == ConfigNode::Kind::kInteger
+             ? ConfigNode::from_integer(static_cast<std::int64_t>(std::llround(value)))
+             : ConfigNode::from_number(value);
+}
 
 std::vector<Tolerance> read_tolerances(const Study& study, std::vector<Problem>& errors) {
   std::vector<Tolerance> tolerances;
@@ -87,11 +99,13 @@ std::vector<Tolerance> read_tolerances(const Study& study, std::vector<Problem>&
       errors.push_back(unknown_path(study, key, table->items[i].place));
       continue;
     }
-    std::string refused = node->kind == ConfigNode::Kind::kNumber
-                              ? refused_value(table->items[i])
-                              : "must be a key whose value is a real number";
+    const bool is_integer = node->kind == ConfigNode::Kind::kInteger;
+    std::string refused = node->is_number() ? refused_value(table->items[i], is_integer)
+                                            : "must be a key whose value is a number";
     if (refused.empty()) {
-      tolerances.push_back({.key = key, .plus_minus = table->items[i].find("plus_minus")->number});
+      tolerances.push_back({.key = key,
+                            .plus_minus = table->items[i].find("plus_minus")->number,
+                            .is_integer = is_integer});
       refused = refused_end(study, tolerances.back());
     }
     if (!refused.empty()) {

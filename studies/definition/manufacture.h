@@ -12,14 +12,19 @@
 namespace glint {
 
 struct Tolerance {
-  std::string key;          ///< dotted path of a real number of the scene
-  double plus_minus = 0.0;  ///< > 0, in the key's own unit
+  std::string key;          ///< dotted path of a number of the scene
+  double plus_minus = 0.0;  ///< > 0, in the key's own unit; of an integer a whole number
+  bool is_integer = false;
 };
+
+/// Another value of a numeric key, rounded where its values are integers.
+ConfigNode moved_value(const ConfigNode& node, double value);
 
 /// Reads "path" = { plus_minus = .. } in the order of the file; empty without the table.
 /// @param study   with scene, variables and objective
-/// @param errors  grows by: no search, unknown and not real keys, plus_minus that is not above 0 or
-///                beyond the key's range
+/// @param errors  grows by: no search, unknown keys and those that are no numbers, plus_minus that
+/// is
+///                not above 0, not whole for an integer or beyond the key's range
 std::vector<Tolerance> read_tolerances(const Study& study, std::vector<Problem>& errors);
 
 }  // namespace glint

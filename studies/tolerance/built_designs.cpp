@@ -33,7 +33,7 @@ void move_key(const Study& study, const std::string& key, double offset, Overrid
     overrides.emplace_back(key, *study.resolved.at_path(key));
     found = std::prev(overrides.end());
   }
-  found->second = ConfigNode::from_number(found->second.number + offset);
+  found->second = moved_value(found->second, found->second.number + offset);
 }
 
 /// Opens the record; built designs that were rendered otherwise are withdrawn.
@@ -123,7 +123,11 @@ std::vector<double> BuiltDesigns::added(int built) const {
   const Sobol sequence(study_.search.seed + kSpreadSeeds, static_cast<int>(tolerances_.size()));
   std::vector<double> offsets = sequence.point(static_cast<std::uint32_t>(built));
   for (std::size_t i = 0; i < offsets.size(); ++i) {
-    offsets[i] = (2.0 * offsets[i] - 1.0) * tolerances_[i].plus_minus;
+    const double plus_minus = tolerances_[i].plus_minus;
+    offsets[i] =
+        tolerances_[i].is_integer
+            ? std::min(plus_minus, std::floor(offsets[i] * (2.0 * plus_minus + 1.0)) - plus_minus)
+            : (2.0 * offsets[i] - 1.0) * plus_minus;
   }
   return offsets;
 }

@@ -53,7 +53,7 @@ class BuiltDesigns {
   std::vector<Point> variable_offsets() const;
 
  private:
-  /// To each key with a tolerance, evenly within it.
+  /// To each key with a tolerance, evenly within it; whole numbers to integers.
   std::vector<double> added(int built) const;
   void ask(const std::vector<Point>& points);
   void evaluate_all(const std::vector<Point>& points);

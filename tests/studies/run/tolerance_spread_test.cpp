@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -90,6 +91,38 @@ TEST(ToleranceSpread, IsThatOfAUniformKey) {
   EXPECT_NEAR(mean["low"].get<double>() / nominal, 1.0 - 0.9 * 0.2, 0.02);
   EXPECT_NEAR(mean["high"].get<double>() / nominal, 1.0 + 0.9 * 0.2, 0.02);
   EXPECT_EQ(spread, *tolerance_spread(built, study, {}, {40.0, 0.15}, variables_of));
+}
+
+// 24 LEDs, two more or less: five numbers, each as likely.
+TEST(ToleranceSpread, OfAnIntegerIsOfWholeNumbers) {
+  const TemporaryFolder folder;
+  std::string text = kSearch;
+  const std::string radiance = "\"lighting.ring.radiance.0\" = { min = 0.1, max = 0.2 }\n";
+  text.replace(
+      text.find(radiance), radiance.size(), "\"lighting.ring.leds\" = { min = 16, max = 32 }\n");
+  text.replace(text.find("homogeneity.mean"), 16, "lighting.leds");
+  text.replace(text.find("height_mm = 30"), 14, "height_mm = 30\nleds = 24\nled_diameter_mm = 2");
+  write_file(folder / "study.toml",
+             text + "[manufacture]\n\"lighting.ring.leds\" = { plus_minus = 2 }\n");
+  const Study study = load_study(folder / "study.toml", {});
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  BuiltDesigns built(store, study, identity_of(study), folder.path());
+  std::map<double, int> counts;
+  for (const Point& offset : built.variable_offsets()) {
+    ++counts[offset.at(1)];
+  }
+  ASSERT_EQ(counts.size(), 5U);
+  for (const auto& [offset, count] : counts) {
+    EXPECT_EQ(offset, std::round(offset));
+    EXPECT_LE(std::abs(offset), 2.0);
+    EXPECT_NEAR(count, 64.0 / 5.0, 2.0);
+  }
+  const BuiltScores scores = built.build({{40.0, 24.0}}, 0, 3).at(0);
+  for (std::size_t k = 0; k < scores.size(); ++k) {
+    ASSERT_TRUE(scores[k].has_value());
+    EXPECT_EQ(scores[k]->at("lighting.leds"), 24.0 + built.variable_offsets()[k].at(1));
+  }
 }
 
 // An inner radius of 15 +- 12 mm is no ring from the outer radius of 25 mm on: one of 12.
@@ -277,7 +310,9 @@ TEST(ToleranceSpread, RefusesWhatHasNoMeaning) {
   EXPECT_THAT(refusal(radiance + "{ plus = 0.01 }\n"), HasSubstr("must be a table"));
   EXPECT_THAT(refusal("\"material.roughness\" = { plus_minus = 0.8 }\n"),
               HasSubstr("beyond the key's range"));
-  EXPECT_THAT(refusal("\"material.type\" = { plus_minus = 1 }\n"), HasSubstr("a real number"));
+  EXPECT_THAT(refusal("\"material.type\" = { plus_minus = 1 }\n"), HasSubstr("is a number"));
+  EXPECT_THAT(refusal("\"lighting.ring.leds\" = { plus_minus = 1.5 }\n"),
+              HasSubstr("a whole number"));
   EXPECT_THAT(refusal("\"lighting.ring.heigth_mm\" = { plus_minus = 1 }\n"),
               HasSubstr("nearest one is \"lighting.ring.height_mm\""));
   EXPECT_EQ(refusal(radiance + "{ plus_minus = 0.05 }\n"), "");

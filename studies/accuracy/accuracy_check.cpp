@@ -161,6 +161,15 @@ std::string check_text(const AccuracyCheck& check, double share) {
   return join(parts, " ");
 }
 
+/// Who had the last word; empty: the check.
+std::string race_text(const AccuracyCheck& check) {
+  return check.raced ? fmt::format(
+                           " The winner was decided after that by a race of the finalists with "
+                           "fresh random numbers, rendered as [render] says: evaluation {}.",
+                           *check.raced)
+                     : std::string();
+}
+
 }  // namespace
 
 AccuracyCheck check_search(const AccuracyTask& task,
@@ -229,9 +238,10 @@ Json check_json(const ChosenAccuracy& chosen, const AccuracyCheck& check, int ev
           {"finalist_work", check.finalist_work},
           {"designs", designs},
           {"winner", check.winner ? Json(*check.winner) : Json(nullptr)},
+          {"raced", check.raced ? Json(*check.raced) : Json(nullptr)},
           {"during", during_json(check)},
           {"epochs", epochs_json(check)},
-          {"sentence", check_text(check, work / search)}};
+          {"sentence", check_text(check, work / search) + race_text(check)}};
 }
 
 }  // namespace glint

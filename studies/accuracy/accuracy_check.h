@@ -21,6 +21,7 @@ struct AccuracyCheck {
   double work = 0.0;                   ///< of them but for the first, counted
   double finalist_work = 0.0;          ///< of the first: the winner, where there is one
   std::optional<int> winner;           ///< trial: of the checked finalists the best at the top
+  std::optional<int> raced;            ///< trial that a race of the finalists left as the winner
   std::vector<CheckedDesign> during;   ///< the search, since its rung was last raised
   double during_work = 0.0;
   std::vector<EndedEpoch> ended;  ///< before

@@ -176,6 +176,8 @@ class Run {
     is_interrupted_ = race_.is_null();
     if (is_interrupted_) {
       search.termination = Termination::kInterrupted;
+    } else if (accurate_.check) {
+      accurate_.check->raced = search.best->number;
     }
   }
 

@@ -159,6 +159,16 @@ TEST(RunAccuracy, PathsAreTakenAsExactlyAsAskedFor) {
   EXPECT_THAT(tight["unreached"][0].get<std::string>(), HasSubstr("is not reachable"));
 }
 
+TEST(RunAccuracy, SaysThatARaceHadTheLastWord) {
+  const TemporaryFolder folder;
+  const Json result = run_into(folder, kPathStudy + "race = 2\n" + kAuto, "raced");
+  const Json& check = result.at("accuracy").at("check");
+  EXPECT_EQ(check.at("raced"), result.at("best").at("trial"));
+  EXPECT_THAT(check.at("sentence").get<std::string>(), HasSubstr("by a race of the finalists"));
+  const Json without = run_into(folder, kPathStudy + kAuto, "without");
+  EXPECT_TRUE(without.at("accuracy").at("check").at("raced").is_null());
+}
+
 TEST(RunAccuracy, SamplesSetByHandAreTheMostOfTheSearch) {
   const TemporaryFolder folder;
   const std::string text = replaced(kPathStudy, "samples = 8", "samples = 16") +

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/compare/inspected_pair.h"
 
+#include <algorithm>
 #include <utility>
+
+#include <fmt/format.h>
+#include <Eigen/Core>
 
 #include "studies/inspect/defect_contrast.h"
 #include "studies/inspect/inspect_rules.h"
@@ -43,6 +47,42 @@ InspectedSide side_of(const ComparedPicture& picture,
   return side;
 }
 
+/// The middle of a silhouette; nothing where there is none.
+std::optional<Eigen::Vector2d> middle_of(const ImageF& coverage) {
+  double sum = 0.0;
+  Eigen::Vector2d moment = Eigen::Vector2d::Zero();
+  for (int y = 0; y < coverage.height(); ++y) {
+    for (int x = 0; x < coverage.width(); ++x) {
+      const auto weight = static_cast<double>(coverage(x, y));
+      sum += weight;
+      moment += weight * Eigen::Vector2d(x, y);
+    }
+  }
+  return sum > 0.0 ? std::optional<Eigen::Vector2d>(moment / sum) : std::nullopt;
+}
+
+/// How far the part lies from where the simulated picture has it.
+double aside_px(const PairGeometry& geometry) {
+  const auto simulated = middle_of(geometry.outlines.simulated.coverage);
+  const auto real = middle_of(geometry.outlines.real.coverage);
+  const double shift_px = simulated && real ? (*real - *simulated).norm() : 0.0;
+  return std::max(shift_px, geometry.distance.mean_px);
+}
+
+/// Mask and places are those of the simulated picture: they must be the photograph's too.
+void note_aside(const ComparedPair& pair, InspectedPair& result) {
+  constexpr double kFar_px = 2.0;
+  const double smallest_px =
+      std::ranges::min_element(result.known, {}, &KnownDefect::radius_px)->radius_px;
+  const double off_px = aside_px(pair.geometry);
+  if (off_px > std::min(kFar_px, 0.5 * smallest_px)) {
+    result.notes.push_back(fmt::format(
+        "In the photograph the part lies {:.1f} px elsewhere, and is inspected where the simulated "
+        "picture has it: its found, missed and contrasts may be of other places.",
+        off_px));
+  }
+}
+
 }  // namespace
 
 std::optional<InspectedPair> inspect_pair(const ComparedPair& pair, ThreadPool& pool) {
@@ -62,6 +102,7 @@ std::optional<InspectedPair> inspect_pair(const ComparedPair& pair, ThreadPool& 
     return std::nullopt;
   }
   result.real = side_of(pair.real, pair, settings, result.known, pool);
+  note_aside(pair, result);
   return result;
 }
 

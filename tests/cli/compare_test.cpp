@@ -20,6 +20,7 @@ using Json = nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::MatchesRegex;
+using ::testing::Not;
 
 class CompareVerb : public ::testing::Test {
  protected:
@@ -322,3 +323,30 @@ TEST_F(CompareVerb, WritesTheSameForAnyNumberOfThreads) {
 
 }  // namespace
 }  // namespace glint::test
+// The photographed part lies 10 px to the right of where the simulated picture has its mask and its
+// dent.
+TEST_F(CompareVerb, SaysWhereAPartIsInspectedBesideItsPlace) {
+  write_file(folder_ / "scene.toml", kDentedPlate);
+  for (const std::string centre : {"60", "70"}) {
+    const ProgramResult result = glint_in(folder_,
+                                          {"render",
+                                           "scene.toml",
+                                           "--set",
+                                           "camera.center_x_px=" + centre,
+                                           "--set",
+                                           "sensor.seed=" + centre,
+                                           "--quiet",
+                                           "--out",
+                                           "at_" + centre});
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+  const auto notes_of = [&](const std::string& real) {
+    return json_of(folder_,
+                   {"compare", "at_60/baseline", real, "--out", "out"})["pairs"][0]["inspection"]
+                                                                       ["notes"]
+                                                                           .dump();
+  };
+  EXPECT_THAT(notes_of("at_70/baseline"), HasSubstr("px elsewhere"));
+  EXPECT_THAT(notes_of("at_60/baseline"), Not(HasSubstr("px elsewhere")));
+}
+

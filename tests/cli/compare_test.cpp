@@ -59,6 +59,8 @@ TEST_F(CompareVerb, PrintsWhatItFoundAndWritesAPage) {
                            "run.json",
                            "pair_01/overlay.png",
                            "pair_01/simulated.png",
+                    HasSubstr("Texture of the surface"),
+                    HasSubstr("Spectrum by direction"),
                            "pair_01/difference.exr"}) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / name)) << name;
   }

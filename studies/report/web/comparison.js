@@ -90,6 +90,32 @@ function spectrumChart(pair) {
   return h('div', {}, h('h4', {}, 'Spectrum of the surface'), chart(240, `Spectra of ${pair.real}`, 0, option));
 }
 
+/** Power by direction: the lay of a surface is a peak across it. */
+function angularChart(pair) {
+  if (!pair.texture) return null;
+  const curve = (name, texture, colour) => ({ name, type: 'line', showSymbol: false, lineStyle: { color: colour }, itemStyle: { color: colour },
+    data: texture.angular_spectrum.map((value, i) => [(i + 0.5) * 180 / texture.angular_spectrum.length, value]) });
+  const option = () => ({
+    grid: { left: 64, right: 16, top: 34, bottom: 46 },
+    legend: { top: 0, textStyle: { color: kInk } },
+    xAxis: { type: 'value', min: 0, max: 180, interval: 45, name: 'direction of the wave (degrees)', nameLocation: 'middle', nameGap: 28, ...axisStyle },
+    yAxis: { type: 'value', name: 'share of the power', nameLocation: 'middle', nameGap: 46, ...axisStyle, axisLabel: { ...axisStyle.axisLabel, formatter: (value) => number(value) } },
+    series: [curve('simulated', pair.texture.simulated, kSimulated), curve('photograph', pair.texture.real, kReal)],
+  });
+  return h('div', {}, h('h4', {}, 'Spectrum by direction'), chart(240, `Spectra by direction of ${pair.real}`, 0, option));
+}
+
+/** Lay, lengths and neighbours of both surfaces. */
+function textureTable(pair) {
+  if (!pair.texture) return null;
+  const sides = [pair.texture.simulated, pair.texture.real];
+  const row = (name, text) => h('tr', {}, h('td', {}, name), sides.map((side) => h('td', { class: 'number' }, text(side))));
+  const neighbours = ({ contrast, correlation, energy, entropy_bits: entropy }) => `${number(contrast, 3)}, ${number(correlation, 3)}, ${number(energy, 3)}, ${number(entropy, 3)} bits`;
+  return h('div', {}, h('h4', {}, 'Texture of the surface'), h('p', { class: 'lead' }, `In windows of ${sides[0].window_px} px, of greys over their mean.`),
+    table(['', 'simulated', 'photograph'], [row('spread of grey', (side) => fixed(side.spread, 4)), row('autocorrelation length px (shortest, longest)', (side) => `${fixed(side.autocorrelation_px, 2)}, ${fixed(side.longest_px, 2)}`),
+      row('direction of the lay (strength)', (side) => `${fixed(side.lay_deg, 1)}\u00b0 (${fixed(side.lay_strength, 2)})`), row('neighbours: contrast, correlation, energy, entropy', (side) => neighbours(side.cooccurrence))]));
+}
+
 function causesTable(pair) {
   if (!pair.causes.length) return null;
   const row = (cause) => h('tr', {}, h('td', {}, cause.name), h('td', { class: 'number' }, `${number(cause.value, 3)} ${cause.unit}`), h('td', { class: 'number' }, isNumber(cause.sigma) ? `\u00b1 ${number(cause.sigma, 2)} ${cause.unit}` : '\u2013'),
@@ -148,7 +174,7 @@ function pairShown(pair, i) {
       figure(pair.difference, `difference of ${pair.real}`, 'Photograph minus simulated picture.', scaleBar(pair.difference_scale))),
     wipe(pair),
     h('div', { class: 'pair paper-only' }, figure(pair.simulated_image, `simulated ${pair.simulated}`, 'Simulated.'), figure(pair.real_image, `photograph ${pair.real}`, 'Photograph.')),
-    causesTable(pair), edgesTable(pair), regionsTable(pair), inspectionTable(pair), h('div', { class: 'pair' }, ringChart(pair), spectrumChart(pair)));
+    causesTable(pair), edgesTable(pair), regionsTable(pair), inspectionTable(pair), textureTable(pair), h('div', { class: 'pair' }, ringChart(pair), spectrumChart(pair), angularChart(pair)));
 }
 
 export function comparisonSection(facts) {

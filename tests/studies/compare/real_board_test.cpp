@@ -137,6 +137,9 @@ TEST(RealBoard, EdgesOfRenderedSquaresLieOnThePhotographedOnes) {
   EXPECT_LE(edges.mean_px(), 0.35);
   const RingOffsets rings = ring_offsets(edges.offsets, {960.0, 600.0});
   ASSERT_TRUE(rings.has_slopes);
+  std::printf("slopes: radial %.3f, tangential %.3f px per 1000 px\n",
+              rings.radial_slope.value,
+              rings.tangential_slope.value);
   RecordProperty("radial_slope", fmt::format("{:.3f}", rings.radial_slope.value));
   RecordProperty("tangential_slope", fmt::format("{:.3f}", rings.tangential_slope.value));
   EXPECT_LT(std::abs(rings.radial_slope.value), 0.5);

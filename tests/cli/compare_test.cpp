@@ -46,24 +46,55 @@ TEST_F(CompareVerb, PrintsWhatItFoundAndWritesAPage) {
   EXPECT_NEAR(pair["mean_distance_px"].get<double>(), 0.5 * 0.6, 0.15);
   EXPECT_NEAR(pair["exposure"]["gain"].get<double>(), 1.2, 0.02);
   EXPECT_TRUE(result["yardstick"].is_null());
+  for (const char* key : {"hd95_px", "offset_px", "ssim", "histogram_distance"}) {
+    EXPECT_TRUE(pair.contains(key) && pair[key].is_number()) << key;
+  }
   EXPECT_THAT(result["verdict"].get<std::string>(), HasSubstr("silhouettes overlap"));
   // The gain is a cause that pictures alone can tell.
   ASSERT_EQ(pair["causes"].size(), 1U);
   EXPECT_EQ(pair["causes"][0]["name"], "gain");
+  EXPECT_GT(pair["causes"][0]["share"].get<double>(), 0.5);
+  EXPECT_LE(pair["causes"][0]["share"].get<double>(), 1.0);
   EXPECT_THAT(read_file(folder_ / "out/report.html"),
               AllOf(HasSubstr("Photograph minus simulated"),
                     HasSubstr("mean distance px"),
                     HasSubstr("histogram distance in shares of full scale"),
+                    HasSubstr("Texture of the surface"),
+                    HasSubstr("Spectrum by direction"),
                     HasSubstr("only light")));
   for (const char* name : {"result.json",
                            "run.json",
                            "pair_01/overlay.png",
                            "pair_01/simulated.png",
-                    HasSubstr("Texture of the surface"),
-                    HasSubstr("Spectrum by direction"),
                            "pair_01/difference.exr"}) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / name)) << name;
   }
+}
+
+// 1 % larger: 10 px further out at a radius of 1000 px.
+TEST_F(CompareVerb, PrintsTheSlopeOfAScale) {
+  draw("simulated.png", {});
+  draw("real.png", {.scale = 1.01, .index = 1});
+  const Json result = json_of(folder_, {"compare", "simulated.png", "real.png", "--out", "out"});
+  const Json& slope = result["pairs"][0]["ring_slope"];
+  ASSERT_TRUE(slope.is_object()) << slope;
+  EXPECT_NEAR(slope["value"].get<double>(), 10.0, 1.0);
+  EXPECT_LT(slope["low"].get<double>(), slope["value"].get<double>());
+  EXPECT_GT(slope["high"].get<double>(), slope["value"].get<double>());
+  EXPECT_GT(result["pairs"][0]["offset_px"].get<double>(), 0.2);
+}
+
+// Radiance of any scale as the photograph: exposures are matched.
+TEST_F(CompareVerb, TakesAPhotographOfFloats) {
+  draw("simulated.png", {});
+  ImageF radiance = drawn_blade({.index = 1});
+  for (float& value : radiance.values()) {
+    value = std::max(20.0F * value, 0.0F);
+  }
+  write_exr(folder_ / "real.exr", radiance);
+  const Json result = json_of(folder_, {"compare", "simulated.png", "real.exr", "--out", "out"});
+  EXPECT_GT(result["pairs"][0]["iou"].get<double>(), 0.998);
+  EXPECT_THAT(result["pairs"][0]["notes"].dump(), HasSubstr("floats"));
 }
 
 TEST_F(CompareVerb, MeasuresAgainstPhotographsAmongEachOther) {
@@ -103,6 +134,25 @@ TEST_F(CompareVerb, RefusesWithOneLineAndNoFolder) {
           "compare needs a simulated picture and at least one real one");
   refused({"compare", "simulated.png", "small.png", "--quiet", "--out", "out"},
           "small\\.png: has one grey value all over, .*");
+  const auto refused_picture =
+      [&](const std::string& name, const ImageF& picture, const std::string& message) {
+        write_png(folder_ / name, picture, PixelDepth::k8Bit);
+        refused({"compare", "simulated.png", name, "--quiet", "--out", "out"}, message);
+      };
+  refused_picture("black.png", ImageF(200, 160), "black\\.png: is black all over, .*");
+  refused_picture(
+      "white.png", ImageF(200, 160, 1.0F), "white\\.png: is at full scale all over, .*");
+  ImageF other(20, 10, 0.5F);
+  other(3, 3) = 0.9F;
+  refused_picture("other.png",
+                  other,
+                  "simulated\\.png: is 200 x 160 pixels, other\\.png is 20 x 10: .* one size");
+  for (const char* name :
+       {"views/a.png", "views/b.png", "photos/x.png", "photos/y.png", "photos/z.png"}) {
+    draw(name, {});
+  }
+  refused({"compare", "views", "photos", "--quiet", "--out", "out"},
+          "views/a\\.png: has no real picture: 2 simulated and 3 real pictures .*");
   refused(
       {"compare", "simulated.png", "simulated.png", "--outline", "line", "--quiet", "--out", "out"},
       "--outline: is line, must be auto, threshold, grab_cut or inner");
@@ -142,6 +192,26 @@ bool is_told(const Json& causes, const std::string& name) {
     const Json group = cause.value("group", Json::array());
     return cause["name"] == name || std::ranges::count(group, Json(name)) > 0;
   });
+}
+
+using CoverVerb = CompareVerb;
+
+// The plate's front is seen, 16 x 12 of its whole surface.
+TEST_F(CoverVerb, PrintsWhatTheViewsInspect) {
+  const std::string plate = kDentedPlate;
+  write_file(folder_ / "scene.toml",
+             plate.substr(0, plate.find("[defects.dent]")) +
+                 "[coverage]\npoints = 1000\nhas_light = false\n");
+  const Json result = json_of(folder_, {"cover", "scene.toml", "--out", "out"});
+  EXPECT_EQ(result["status"], "done");
+  EXPECT_GT(result["c1"].get<double>(), 0.3);
+  EXPECT_LT(result["c1"].get<double>(), 0.5);
+  ASSERT_FALSE(result["ck"].empty());
+  EXPECT_EQ(result["ck"][0], result["c1"]);
+  ASSERT_EQ(result["views"].size(), 1U);
+  EXPECT_EQ(result["views"][0]["name"], "view_01");
+  EXPECT_EQ(result["views"][0]["adds"], result["c1"]);
+  EXPECT_GT(result["largest_gap_mm2"].get<double>(), 100.0);
 }
 
 class ComparedDesign : public CompareVerb {
@@ -305,26 +375,6 @@ TEST_F(CompareVerb, TellsADefectThatOneSideAloneShows) {
   }
 }
 
-// The same bytes for any number of threads.
-TEST_F(CompareVerb, WritesTheSameForAnyNumberOfThreads) {
-  draw("simulated.png", {});
-  draw("photos/1.png", {.shift_x_px = 0.3, .index = 1});
-  draw("photos/2.png", {.scale = 1.01, .index = 2});
-  for (const char* threads : {"1", "3"}) {
-    json_of(folder_,
-            {"compare",
-             "simulated.png",
-             "photos",
-             "--threads",
-             threads,
-             "--out",
-             std::string("out") + threads});
-  }
-  expect_same_files(folder_ / "out1", folder_ / "out3");
-}
-
-}  // namespace
-}  // namespace glint::test
 // The photographed part lies 10 px to the right of where the simulated picture has its mask and its
 // dent.
 TEST_F(CompareVerb, SaysWhereAPartIsInspectedBesideItsPlace) {
@@ -352,3 +402,23 @@ TEST_F(CompareVerb, SaysWhereAPartIsInspectedBesideItsPlace) {
   EXPECT_THAT(notes_of("at_60/baseline"), Not(HasSubstr("px elsewhere")));
 }
 
+// The same bytes for any number of threads.
+TEST_F(CompareVerb, WritesTheSameForAnyNumberOfThreads) {
+  draw("simulated.png", {});
+  draw("photos/1.png", {.shift_x_px = 0.3, .index = 1});
+  draw("photos/2.png", {.scale = 1.01, .index = 2});
+  for (const char* threads : {"1", "3"}) {
+    json_of(folder_,
+            {"compare",
+             "simulated.png",
+             "photos",
+             "--threads",
+             threads,
+             "--out",
+             std::string("out") + threads});
+  }
+  expect_same_files(folder_ / "out1", folder_ / "out3");
+}
+
+}  // namespace
+}  // namespace glint::test

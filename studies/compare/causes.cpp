@@ -329,4 +329,15 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
   }
 }
 
+void note_unsought_roughness(const ComparedPair& pair, PairCauses& causes) {
+  const CompareSource& source = pair.simulated.source;
+  if (source.scene.empty() || std::ranges::count(causes.told, "gain", &ToldCause::name) == 0 ||
+      !compare_detail::tells_roughness(load_scene(source.scene))) {
+    return;
+  }
+  causes.notes.emplace_back(
+      "Roughness was not looked for (--roughness): the metal may be rougher or smoother than "
+      "simulated, beside the gain or instead of it.");
+}
+
 }  // namespace glint

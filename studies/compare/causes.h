@@ -61,4 +61,9 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known = {});
 /// @throws ConfigError, IoError
 void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& causes);
 
+/// Notes that roughness was not looked for, where a gain was told of metal that could be rougher or
+/// smoother instead.
+/// @throws ConfigError, IoError
+void note_unsought_roughness(const ComparedPair& pair, PairCauses& causes);
+
 }  // namespace glint

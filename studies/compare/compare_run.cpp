@@ -180,6 +180,8 @@ class CompareRun {
       const auto start = std::chrono::steady_clock::now();
       add_roughness(explained.pair, store_, explained.causes);
       roughness_s_ += seconds_since(start);
+    } else {
+      note_unsought_roughness(explained.pair, explained.causes);
     }
   }
 

@@ -87,9 +87,6 @@ class RoughnessSearch {
         real_(reduce(pair.real.grey, factor_)) {}
 
   std::optional<RoughnessFit> find() {
-    if (!shows_roughness(scene_)) {
-      return std::nullopt;
-    }
     const double first = scene_.material.roughness;
     const Halves base = at(first);
     if (!choose_pixels(base)) {
@@ -244,12 +241,17 @@ class RoughnessSearch {
 
 }  // namespace
 
+bool tells_roughness(const SceneSettings& scene) {
+  const MaterialSettings& material = scene.material;
+  return material.type == MaterialSettings::Type::kConductor && material.alpha.empty() &&
+         material.roughness >= kMinRoughness && scene.sensor.wavelengths_nm.size() == 1 &&
+         shows_roughness(scene);
+}
+
 std::optional<RoughnessFit> fit_roughness(const ComparedPair& pair,
                                           const SceneSettings& scene,
                                           SceneStore& store) {
-  const MaterialSettings& material = scene.material;
-  if (material.type != MaterialSettings::Type::kConductor || !material.alpha.empty() ||
-      material.roughness < kMinRoughness || scene.sensor.wavelengths_nm.size() != 1) {
+  if (!tells_roughness(scene)) {
     return std::nullopt;
   }
   return RoughnessSearch(pair, scene, store).find();

@@ -23,6 +23,10 @@ struct RoughnessFit {
   int renders = 0;          ///< at most 3, of at most 612 x 512 pixels
 };
 
+/// Whether a scene's grey values may tell its roughness: path-traced metal with material.roughness,
+/// seen by a grey sensor.
+bool tells_roughness(const SceneSettings& scene);
+
 /// @param scene  of the simulated picture, with pose and lens as the edges say
 /// @returns nothing for scenes that are not path traced, of a colour sensor or whose metal has no
 ///          roughness (a mirror, `alpha` instead), and where fewer than 1000 reduced pixels show

@@ -7,17 +7,20 @@
 #include <gtest/gtest.h>
 
 #include "core/config/toml.h"
+#include "core/file.h"
 #include "core/thread_pool.h"
 #include "simulator/sensor/sensor.h"
+#include "studies/compare/causes.h"
 #include "studies/imaging/path_picture.h"
+#include "tests/studies/compare/compare_fixture.h"
 
 namespace glint::compare_detail {
 namespace {
 
 /// A plate of rough metal that fills the picture, under a bar from one side: its gloss fades
 /// across.
-SceneSettings metal_plate(int width_px, double roughness) {
-  const std::string text = fmt::format(
+std::string metal_plate_text(int width_px, double roughness) {
+  return fmt::format(
       "schema = 1\n"
       "[part]\nshape = \"plate\"\nlength_mm = 60\nwidth_mm = 20\nthickness_mm = 2\n"
       "[material]\ntype = \"conductor\"\nroughness = {}\n"
@@ -30,8 +33,12 @@ SceneSettings metal_plate(int width_px, double roughness) {
       width_px,
       width_px / 5,
       50.0 / width_px);
+}
+
+SceneSettings metal_plate(int width_px, double roughness) {
   std::vector<Problem> errors;
-  SceneSettings scene = read_scene(parse_toml(text, "plate.toml"), errors);
+  SceneSettings scene =
+      read_scene(parse_toml(metal_plate_text(width_px, roughness), "plate.toml"), errors);
   throw_if_any(errors);
   return scene;
 }
@@ -89,6 +96,27 @@ TEST(FitRoughness, HasNoAnswerForAMirrorOrForAPictureOfAnotherSize) {
   pair.real.grey = ImageF(200, 40, 0.3F);
   EXPECT_FALSE(fit_roughness(pair, metal_plate(300, 0.25), store));
   EXPECT_FALSE(fit_roughness(pair, metal_plate(200, 0.01), store));
+}
+
+class UnsoughtRoughness : public CompareFiles {
+ protected:
+  /// Notes of a pair whose metal has a roughness, and one cause.
+  std::vector<std::string> notes_of(double roughness, const std::string& cause) const {
+    write_file(folder() / "scene.toml", metal_plate_text(300, roughness));
+    ComparedPair pair;
+    pair.simulated.source.scene = folder() / "scene.toml";
+    PairCauses causes = {.told = {{.name = cause, .value = 1.1, .sigma = 0.01, .of = "grey"}}};
+    note_unsought_roughness(pair, causes);
+    return causes.notes;
+  }
+};
+
+TEST_F(UnsoughtRoughness, IsNotedWhereMetalHasAGain) {
+  const std::vector<std::string> notes = notes_of(0.25, "gain");
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_NE(notes[0].find("Roughness was not looked for (--roughness)"), std::string::npos);
+  EXPECT_TRUE(notes_of(0.25, "k1").empty());
+  EXPECT_TRUE(notes_of(0.01, "gain").empty());
 }
 
 }  // namespace

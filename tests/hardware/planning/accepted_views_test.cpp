@@ -49,6 +49,8 @@ TEST(AcceptedViews, NeitherTouchNorAreSingularNorLeaveLimits) {
           plain_margin_mm(cell, clearance.bodies(), choice.turns_rad.front(), &nearest);
       EXPECT_GE(plain_mm, cell.margin_mm) << view.name << ": " << nearest;
       EXPECT_NEAR(plain_mm, choice.margin_mm, 2e-3);
+      EXPECT_GT(plain_self_mm(cell, clearance.bodies(), choice.turns_rad.front(), &nearest), 0.0)
+          << view.name << ": " << nearest;
       for (const JointVector& joints_rad : choice.turns_rad) {
         EXPECT_TRUE((joints_rad.array() >= cell.joint_min_rad.array()).all());
         EXPECT_TRUE((joints_rad.array() <= cell.joint_max_rad.array()).all());

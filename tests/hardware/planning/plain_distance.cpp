@@ -2,7 +2,9 @@
 #include "tests/hardware/planning/plain_distance.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <limits>
+#include <string_view>
 
 namespace glint {
 namespace {
@@ -50,6 +52,32 @@ Corners corners_of(const SolidBody& body, std::size_t i, const Eigen::Isometry3d
   return {base_from_body * body.mesh.vertex(i, 0),
           base_from_body * body.mesh.vertex(i, 1),
           base_from_body * body.mesh.vertex(i, 2)};
+}
+
+double body_distance(const SolidBody& body,
+                     const Eigen::Isometry3d& base_from_body,
+                     const SolidBody& other,
+                     const Eigen::Isometry3d& base_from_other) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < body.mesh.num_triangles(); ++i) {
+    const Corners first = corners_of(body, i, base_from_body);
+    for (std::size_t k = 0; k < other.mesh.num_triangles(); ++k) {
+      least = std::min(least, triangle_distance(first, corners_of(other, k, base_from_other)));
+    }
+  }
+  return least - body.radius_mm - other.radius_mm;
+}
+
+bool can_meet(const SolidBody& low, const SolidBody& high) {
+  const bool is_carried = high.kind == SolidBody::Kind::kCarried;
+  const bool is_at_end = is_carried || high.name == "tool";
+  const auto is_low_one_of = [&low](std::initializer_list<std::string_view> names) {
+    return std::ranges::find(names, std::string_view(low.name)) != names.end();
+  };
+  return (is_low_one_of({"base", "shoulder", "upper arm", "elbow"}) &&
+          (is_at_end || high.name == "wrist 3")) ||
+         (is_low_one_of({"forearm"}) && is_at_end) ||
+         (is_low_one_of({"wrist 1", "wrist 2"}) && is_carried);
 }
 
 }  // namespace
@@ -127,13 +155,32 @@ double plain_margin_mm(const PlanningCell& cell,
       if (other.kind != SolidBody::Kind::kStanding) {
         continue;
       }
-      const double radii_mm = body.radius_mm + other.radius_mm;
-      for (std::size_t i = 0; i < body.mesh.num_triangles(); ++i) {
-        const Corners first = corners_of(body, i, pose);
-        for (std::size_t k = 0; k < other.mesh.num_triangles(); ++k) {
-          take(triangle_distance(first, corners_of(other, k, Eigen::Isometry3d::Identity())) -
-                   radii_mm,
-               body.name + " to " + other.name);
+      take(body_distance(body, pose, other, Eigen::Isometry3d::Identity()),
+           body.name + " to " + other.name);
+    }
+  }
+  return least;
+}
+
+double plain_self_mm(const PlanningCell& cell,
+                     const std::vector<SolidBody>& bodies,
+                     const JointVector& joints_rad,
+                     std::string* nearest) {
+  const LinkFrames frames = cell.arm.arm.frames(joints_rad);
+  double least = std::numeric_limits<double>::infinity();
+  for (const SolidBody& low : bodies) {
+    for (const SolidBody& high : bodies) {
+      if (!can_meet(low, high)) {
+        continue;
+      }
+      const double distance = body_distance(low,
+                                            frames[static_cast<std::size_t>(low.link)],
+                                            high,
+                                            frames[static_cast<std::size_t>(high.link)]);
+      if (distance < least) {
+        least = distance;
+        if (nearest != nullptr) {
+          *nearest = low.name + " to " + high.name;
         }
       }
     }

@@ -27,4 +27,12 @@ double plain_margin_mm(const PlanningCell& cell,
                        const JointVector& joints_rad,
                        std::string* nearest = nullptr);
 
+/// Smallest distance of the arm and what it carries to itself, mm; negative: they touch. Of pairs
+/// whose housings do not always overlap: base to elbow against wrist 3 and what follows it, forearm
+/// against tool and what is carried, wrist 1 and 2 against what is carried.
+double plain_self_mm(const PlanningCell& cell,
+                     const std::vector<SolidBody>& bodies,
+                     const JointVector& joints_rad,
+                     std::string* nearest = nullptr);
+
 }  // namespace glint

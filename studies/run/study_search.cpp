@@ -347,7 +347,7 @@ Outcome evaluate_candidate(SceneStore& store,
   Outcome outcome;
   outcome.scores = std::move(found.scores);
   if (rung != nullptr) {
-    less_offsets(own, *rung, outcome.scores);
+    less_offsets(own, scene, *rung, outcome.scores);
   }
   outcome.gradients = std::move(found.gradients.by_score);
   outcome.remarks = std::move(found.gradients.remarks);

@@ -182,7 +182,7 @@ Outcome BuiltDesigns::outcome_of(const Point& point) const {
     const SceneSettings scene = rung_ ? searched_scene(store_, own, *rung_) : own;
     outcome.scores = evaluate(store_, scene, {}, wanted_by(study_.goal)).scores;
     if (rung_) {
-      less_offsets(own, *rung_, outcome.scores);
+      less_offsets(own, scene, *rung_, outcome.scores);
     }
   } catch (const IoError&) {
     throw;  // says nothing about the design

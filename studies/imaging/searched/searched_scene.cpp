@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/imaging/searched/searched_scene.h"
 
+#include <algorithm>
+
 #include "studies/definition/render_methods.h"
 #include "studies/imaging/direct/hidden_lights.h"
 #include "studies/imaging/path_picture.h"
@@ -20,12 +22,31 @@ bool may_hide_lamps(SceneStore& store, const SceneSettings& scene) {
   return is_hidden(true) || (part->built != part->clean && is_hidden(false));
 }
 
+/// Whether larger pixels leave each defect a pixel and a background, and the part a region.
+bool can_be_scored(SceneStore& store, const SceneSettings& scene) {
+  try {
+    store.trace(first_view(store, scene));
+    return true;
+  } catch (const ConfigError&) {
+    return false;
+  }
+}
+
+bool has_larger_pixels(const SceneSettings& scene, const SceneSettings& own) {
+  return scene.camera.width_px != own.camera.width_px;
+}
+
 }  // namespace
 
 SceneSettings searched_scene(SceneStore& store,
                              const SceneSettings& scene,
                              const RenderRung& rung) {
   SceneSettings searched = at_rung(scene, rung);
+  if (has_larger_pixels(searched, scene) && !can_be_scored(store, searched)) {
+    SceneSettings in_all_pixels = scene;
+    in_all_pixels.paths.samples = std::max(scene.paths.samples, rung.paths.samples);
+    return in_all_pixels;
+  }
   if (is_direct(scene) || !is_direct(searched)) {
     return searched;
   }
@@ -33,6 +54,15 @@ SceneSettings searched_scene(SceneStore& store,
   by_paths.paths.samples = rung.paths.samples;
   by_paths.paths.max_reflections = rung.paths.max_reflections;
   return may_hide_lamps(store, by_paths) ? by_paths : searched;
+}
+
+void less_offsets(const SceneSettings& scene,
+                  const SceneSettings& searched,
+                  const RenderRung& rung,
+                  std::map<std::string, double>& scores) {
+  if (has_larger_pixels(searched, scene)) {
+    less_offsets(scene, rung, scores);
+  }
 }
 
 }  // namespace glint

@@ -74,5 +74,55 @@ TEST(SearchedScene, LeavesWhatTheFileAsksFor) {
   EXPECT_EQ(scene.render.method, RenderSettings::Method::kDirect);
 }
 
+/// Half as many pixels a side, whose h is 0.25 too high.
+RenderRung half_resolution(int samples) {
+  return {.paths = {.samples = samples, .max_reflections = 1},
+          .pixel_factor = 2,
+          .offsets = {{"homogeneity.h_rms", 0.25}}};
+}
+
+/// A ring over a dent of 0.3 mm in the middle of a pixel of 0.3 mm, whose background lies between
+/// 0.3 and 0.435 mm: 0.42 mm along the diagonal is another pixel's middle. Pixels of 0.6 mm have
+/// theirs at 0.21 and 0.47 mm.
+SceneSettings with_small_dent() {
+  SceneSettings scene = by_paths(sectors(0.0));
+  DefectGroup& dent = scene.defects.front().second;
+  dent.x_mm = {0.15};
+  dent.y_mm = {0.15};
+  dent.diameter_mm = 0.3;
+  dent.height_mm = 1e-3;
+  scene.metrics.ring_outer_radii = 2.9;
+  return scene;
+}
+
+TEST(SearchedScene, TakesAllPixelsWhereLargerOnesLeaveADefectNoBackground) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const SceneSettings scene = with_small_dent();
+  const RenderRung rung = half_resolution(32);
+  ASSERT_NO_THROW(store.trace(scene));
+  EXPECT_THROW(store.trace(at_rung(scene, rung)), ConfigError);
+  const SceneSettings searched = searched_scene(store, scene, rung);
+  EXPECT_EQ(searched.camera.width_px, scene.camera.width_px);
+  EXPECT_EQ(searched.paths.samples, 128) << "the scene's own";
+  EXPECT_EQ(searched_scene(store, scene, half_resolution(256)).paths.samples, 256);
+  std::map<std::string, double> scores = {{"homogeneity.h_rms", 0.5}};
+  less_offsets(scene, searched, rung, scores);
+  EXPECT_EQ(scores.at("homogeneity.h_rms"), 0.5) << "mean errors are those of half resolution";
+}
+
+TEST(SearchedScene, OfHalfResolutionIsCorrectedWhereItCanBeScored) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const SceneSettings scene = by_paths(sectors(0.0));
+  const RenderRung rung = half_resolution(32);
+  const SceneSettings searched = searched_scene(store, scene, rung);
+  EXPECT_EQ(searched.camera.width_px, scene.camera.width_px / 2);
+  EXPECT_EQ(searched.paths.samples, 32);
+  std::map<std::string, double> scores = {{"homogeneity.h_rms", 0.5}};
+  less_offsets(scene, searched, rung, scores);
+  EXPECT_EQ(scores.at("homogeneity.h_rms"), 0.25);
+}
+
 }  // namespace
 }  // namespace glint::lamp_test

@@ -15,10 +15,12 @@ double fitting(const ChosenAccuracy& chosen, std::size_t step, int possible) {
   return possible * chosen.rung().work / chosen.ladder[step].work;
 }
 
-/// Of the rungs below the chosen one whose errors are known. Empty: not one lets so many be made
+/// Of the rungs below the chosen one that are not left out and whose errors are known. Empty: not
+/// one lets so many be made
 std::optional<std::size_t> affordable_step(const ChosenAccuracy& chosen, int wanted, int possible) {
   for (std::size_t step = chosen.choice.step; step-- > 0;) {
-    if (!chosen.choice.steps[step].bounds.empty() && chosen.ladder[step].is_for_search &&
+    const StepReport& report = chosen.choice.steps[step];
+    if (!report.bounds.empty() && report.skipped.empty() && chosen.ladder[step].is_for_search &&
         fitting(chosen, step, possible) >= wanted) {
       return step;
     }

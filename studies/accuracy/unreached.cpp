@@ -8,14 +8,16 @@
 namespace glint {
 namespace {
 
-/// The step of those that a search may use with the smallest bound of a wish.
+/// The step of those that a search may use, and that are not left out, with the smallest bound of a
+/// wish.
 std::optional<std::size_t> closest_step(const LadderTask& task,
                                         const LadderChoice& choice,
                                         std::size_t wish) {
   std::optional<std::size_t> best;
   for (std::size_t step = 0; step < task.steps.size(); ++step) {
     const auto& bounds = choice.steps[step].bounds;
-    const bool is_candidate = task.steps[step].is_for_search && !bounds.empty();
+    const bool is_candidate =
+        task.steps[step].is_for_search && choice.steps[step].skipped.empty() && !bounds.empty();
     if (is_candidate && (!best || bounds[wish].bound < choice.steps[*best].bounds[wish].bound)) {
       best = step;
     }

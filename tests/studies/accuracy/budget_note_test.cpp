@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "studies/accuracy/unreached.h"
+
 namespace glint {
 namespace {
 
@@ -58,6 +60,30 @@ TEST(BudgetNote, NamesNoRungThatWasNotTried) {
   ChosenAccuracy chosen = three_rungs();
   chosen.choice.steps[1].bounds.clear();
   EXPECT_THAT(budget_note(study_of(100), chosen, 30), HasSubstr("by \"coarse\""));
+}
+
+TEST(BudgetNote, NamesNoRungThatWasLeftOut) {
+  ChosenAccuracy chosen = three_rungs();
+  chosen.choice.steps[1].skipped = "\"middle\" differs from \"fine\" by too much";
+  EXPECT_THAT(budget_note(study_of(100), chosen, 30), HasSubstr("by \"coarse\""));
+}
+
+// Few reflections come near by chance in one score; they are left out for another one.
+TEST(UnreachedTexts, NameNoStepThatWasLeftOut) {
+  LadderTask task;
+  task.wish.wishes = {{.score = "homogeneity.h_rms", .tolerance = 0.01}};
+  LadderChoice choice = {.step = 1};
+  for (const auto& [name, bound] : {std::pair{"direct", 0.02}, std::pair{"all", 0.05}}) {
+    task.steps.push_back({.name = name, .work = 1.0});
+    choice.steps.push_back({.is_tried = true});
+    choice.steps.back().bounds = {
+        {.score = "homogeneity.h_rms", .tolerance = 0.01, .bound = bound}};
+  }
+  EXPECT_THAT(unreached_texts(task, choice, false),
+              testing::ElementsAre(HasSubstr("\"direct\" reaches 0.02")));
+  choice.steps[0].skipped = "\"direct\" differs from \"all\" by too much";
+  EXPECT_THAT(unreached_texts(task, choice, false),
+              testing::ElementsAre(HasSubstr("\"all\" reaches 0.05")));
 }
 
 }  // namespace

@@ -16,8 +16,6 @@
 namespace glint {
 namespace {
 
-constexpr double kErrorsPerHalf = 2.0;  // as objective_noise()
-
 std::vector<std::string> names_of_goal(const Goal& goal) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
@@ -282,13 +280,10 @@ class LadderTrial {
     const std::vector<Objective> objectives = objectives_of(task_.goal);
     const auto mine = search_figures(task_.goal, scores_[step]);
     const auto others = search_figures(task_.goal, scores_[reference]);
+    const auto errors = search_figure_errors(task_.goal, scores_[reference]);
     std::vector<OrderOf> orders;
     for (std::size_t k = 0; k < objectives.size(); ++k) {
-      std::vector<double> errors;
-      for (const Scores& scores : scores_[reference]) {
-        errors.push_back(objective_noise(objectives[k], scores) / kErrorsPerHalf);
-      }
-      orders.push_back({objectives[k].name, rank_agreement(mine[k], others[k], errors)});
+      orders.push_back({objectives[k].name, rank_agreement(mine[k], others[k], errors[k])});
     }
     return orders;
   }

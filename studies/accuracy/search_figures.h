@@ -14,4 +14,10 @@ namespace glint {
 /// log(1 + violation).
 std::vector<std::vector<double>> search_figures(const Goal& goal, std::span<const Scores> designs);
 
+/// Their standard errors: those of the objective and, where the limits count, of the penalties, as
+/// if they were independent. At least rounding: a millionth of the spread of the figures and 1e-12
+/// of the largest, within which designs are tied.
+std::vector<std::vector<double>> search_figure_errors(const Goal& goal,
+                                                      std::span<const Scores> designs);
+
 }  // namespace glint

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
+#include "metrics/scores.h"
 #include "studies/report/report_verdict.h"
 #include "studies/report/variable_limits.h"
 
@@ -268,6 +269,41 @@ void add_lost_limits(const Json& data, const Json& design, std::vector<Finding>&
   }
 }
 
+/// That what a score truly is lies within a limit, its deviation taken as normal.
+/// @param noise  half the width of its interval of 95 %, > 0
+double chance_within(const Json& constraint, double value, double noise) {
+  const double deviation = 0.5 * noise;
+  const auto chance_below = [&](const std::optional<double>& border, double without) {
+    return border ? 0.5 * std::erfc((value - *border) / (std::sqrt(2.0) * deviation)) : without;
+  };
+  return chance_below(number_of(constraint, "max"), 1.0) -
+         chance_below(number_of(constraint, "min"), 0.0);
+}
+
+/// Limits that are met, but not by more than noise; a bound of an interval has its noise in it.
+void add_open_limits(const Json& data, const Json& design, std::vector<Finding>& findings) {
+  constexpr double kSure = 0.95;
+  if (member(design, "feasible") != Json(true)) {
+    return;
+  }
+  for (const Json& constraint : member(data, "constraints")) {
+    const Wording wording(data, text_of(constraint, "name"), true);
+    const auto value = wording.value(design);
+    const double noise = wording.noise(design).value_or(0.0);
+    if (!meets(constraint, value) || !(noise > 0.0) || is_bound(wording.score())) {
+      continue;
+    }
+    if (const double chance = chance_within(constraint, *value, noise); chance < kSure) {
+      findings.push_back({"limit_open",
+                          fmt::format("Noise may break a limit: {}, with a noise of {}. It is kept "
+                                      "with a probability of {:.0f} %.",
+                                      missed_text(constraint, wording, *value),
+                                      wording.noise_text(noise),
+                                      100.0 * chance)});
+    }
+  }
+}
+
 }  // namespace
 
 Wording defect_wording(const Json& data) {
@@ -291,6 +327,7 @@ std::vector<Finding> findings_on(const Json& data, const Json& design) {
   add_hidden_defects(data, design, findings);
   add_narrow_defects(design, findings);
   add_lost_limits(data, design, findings);
+  add_open_limits(data, design, findings);
   std::ranges::move(findings_on_limits(data, design), std::back_inserter(findings));
   add_dark_part(data, design, findings);
   return findings;

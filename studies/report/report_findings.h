@@ -13,6 +13,7 @@
 //   not_inspected       how much of the part the inspection looks at
 //   objective_flat      almost all evaluations score the same
 //   limit_lost          a limit that the design met in the search and misses with fresh seeds
+//   limit_open          a limit that the design meets, with a probability below 95 % for its noise
 #pragma once
 
 #include <string>

@@ -56,6 +56,9 @@ std::vector<Case> search_cases() {
           {"limit_rate", with([](Json& d) { d["designs"][1]["feasible"] = false; }), mended},
           {"limit_lost",
            with([](Json& d) { d["designs"][1]["rescored"]["homogeneity.h_rms"] = 0.69; }),
+           mended},
+          {"limit_open",
+           with([](Json& d) { d["designs"][1]["rescored"]["homogeneity.h_rms.error"] = 0.1; }),
            mended}};
 }
 
@@ -179,6 +182,21 @@ TEST(VerdictCodes, OfASearchComeWithTheirCauseAndGoWithIt) {
 
 TEST(VerdictCodes, OfDesignsAndRunsComeWithTheirCauseAndGoWithIt) {
   expect_triggered_and_not(other_cases());
+}
+
+// 0.8 in the search and again; the limit is 0.7. Standard errors of 0.1 and 0.05 are one and two of
+// the margin: 84.1 and 97.7 %.
+TEST(VerdictCodes, SaysHowProbablyALimitIsKept) {
+  Json data = sound_search();
+  data["designs"][1]["rescored"]["homogeneity.h_rms.error"] = 0.1;
+  EXPECT_THAT(text_of_code(data, "limit_open"),
+              HasSubstr("h (rms) is 80.0 %, must be at least 70.0 %"));
+  EXPECT_THAT(text_of_code(data, "limit_open"), HasSubstr("kept with a probability of 84 %."));
+  data["constraints"][0]["max"] = 0.9;  // 84.1 % - 15.9 %
+  EXPECT_THAT(text_of_code(data, "limit_open"), HasSubstr("a probability of 68 %"));
+  data["constraints"][0].erase("max");
+  data["designs"][1]["rescored"]["homogeneity.h_rms.error"] = 0.05;
+  EXPECT_EQ(codes_of(data).count("limit_open"), 0U);
 }
 
 // The search's own order is dome, ring; scored again it is the other way round.

@@ -22,6 +22,10 @@ using Results = std::map<std::string, Row>;  ///< by part: TASK/NOISE/METHOD
 std::vector<std::string> noises_of_one();
 std::vector<std::string> noises_of_several();
 std::vector<std::string> peers_of_one();
+bool is_of_several(const std::string& task);
+
+/// All that the bars need, and more peers.
+std::vector<std::string> all_parts();
 
 double mean_of(const Row& row, double Result::*score);
 

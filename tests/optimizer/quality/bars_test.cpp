@@ -6,6 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+
+#include "tests/optimizer/quality/optuna_peer.h"
 
 namespace glint::quality {
 namespace {
@@ -49,6 +52,51 @@ TEST(Bars, AreNotShownBelowThirtySeeds) {
   Results few = results_of("0.05", 20.0, 30);
   few.begin()->second.erase(17);
   EXPECT_FALSE(bar_of(few, what).value) << "one part lacks a seed";
+}
+
+TEST(Bars, AreAllMetByAWholeRunThatIsGoodEnough) {
+  Results results;
+  for (const std::string& part : all_parts()) {
+    const bool is_own = part.ends_with("/glint:auto");
+    const double gap = is_own ? 1.0 : 40.0;
+    const double score = is_of_several(part.substr(0, part.find('/'))) ? 99.0 : gap;
+    for (int seed = 1; seed <= kSeedsOfOne; ++seed) {
+      results[part][seed] = {.after_100 = score, .after_300 = score};
+    }
+  }
+  for (const Bar& bar : bars_of(results)) {
+    EXPECT_TRUE(is_met(bar)) << bar.what;
+  }
+}
+
+TEST(Bars, WithoutOptunaAreNotShown) {
+  Results results = results_of("0.2", 20.0, 30);
+  std::erase_if(results, [](const auto& row) { return row.first.ends_with("/optuna:tpe"); });
+  const Bar bar = bar_of(results, "gap over best peer's, noise 0.2, after 300");
+  EXPECT_FALSE(bar.value);
+  EXPECT_THAT(bar.what, HasSubstr("optuna:tpe has 0 of 30 seeds"));
+}
+
+TEST(OptunaPeer, LooksForTheLeastAndLeavesOutWhatIsNotActive) {
+  const SearchSpace space = {
+      {{.name = "kind", .kind = Variable::Kind::kChoice, .choices = {"ring", "dome"}},
+       {.name = "radius", .low = 1.0, .high = 9.0, .when_name = "kind", .when_value = "ring"}}};
+  for (const char* sampler : {"tpe", "cmaes"}) {
+    try {
+      OptunaPeer peer(space, sampler, 3);
+      int rings = 0;
+      for (int i = 0; i < 40; ++i) {
+        const Point point = peer.ask();
+        EXPECT_EQ(point, canonical(space, point));
+        rings += point[0] == 0.0 ? 1 : 0;
+        peer.tell(point[0] == 0.0 ? std::abs(point[1] - 4.0) : 9.0);
+      }
+      EXPECT_GT(rings, 15) << sampler;
+      EXPECT_LT(rings, 40) << sampler;
+    } catch (const PeerMissing& missing) {
+      GTEST_SKIP() << missing.what();
+    }
+  }
 }
 
 TEST(Bars, OfSeveralObjectivesNeedTwentySeeds) {

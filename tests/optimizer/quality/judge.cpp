@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "optimizer/algorithm/algorithm.h"
 #include "optimizer/front/front.h"
+#include "tests/optimizer/quality/optuna_peer.h"
 
 namespace glint::quality {
 
@@ -124,6 +125,18 @@ void nlopt_search(const std::string& name,
   }
 }
 
+void optuna_search(const std::string& name,
+                   Judge& judge,
+                   const Task& task,
+                   int instance,
+                   std::size_t evaluations) {
+  const SearchSpace space = unit_cube(task.num_variables);
+  OptunaPeer peer(space, name, static_cast<std::uint64_t>(instance));
+  while (judge.count() < evaluations) {
+    peer.tell(judge.evaluate(peer.ask()).front());
+  }
+}
+
 }  // namespace
 
 Judge::Judge(const Task& task, double noise, int instance)
@@ -163,8 +176,12 @@ Result run_method(
   if (method.substr(0, colon) == "glint") {
     return glint_search(name, judge, task, instance, noise > 0.0, limit);
   }
-  GLINT_CHECK(method.substr(0, colon) == "nlopt", "a method of Glint or NLopt");
-  nlopt_search(name, judge, task, instance, limit);
+  if (method.substr(0, colon) == "optuna") {
+    optuna_search(name, judge, task, instance, limit);
+  } else {
+    GLINT_CHECK(method.substr(0, colon) == "nlopt", "a method of Glint, NLopt or Optuna");
+    nlopt_search(name, judge, task, instance, limit);
+  }
   Result result{.after_100 = judge.score(std::min(judge.count(), kFirstCheck), {})};
   result.after_300 =
       judge.count() >= kSecondCheck ? judge.score(kSecondCheck, {}) : result.after_100;

@@ -48,7 +48,8 @@ struct Result {
 };
 
 /// "glint:NAME" (NAME of algorithm_names()) or "nlopt:NAME" (cobyla, bobyqa, direct_l,
-/// direct_l_rand; started again and again from random points).
+/// direct_l_rand; started again and again from random points), or "optuna:NAME" (tpe, cmaes).
+/// @throws PeerMissing where Optuna is not installed
 Result run_method(
     const std::string& method, const Task& task, double noise, int instance, int evaluations);
 

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string_view>
+
+#include "tests/optimizer/quality/resampling.h"
 
 namespace glint::quality {
 namespace {
@@ -72,38 +75,102 @@ std::vector<Bar> hypervolume_bars(const Results& results) {
   return bars;
 }
 
-/// The ratio of mean gaps to the best peer's.
-Bar ratio_bar(const Results& results,
-              const std::string& noise,
-              Score score,
-              const std::string& after,
-              double bound) {
-  Bar bar{.what = fmt::format("gap over best peer's, noise {}, after {}", noise, after),
-          .bound = bound};
-  const auto gap_of = [&](const std::string& method, std::string& why) {
-    return mean_over(
-        results, tasks_of_one_objective(), kSeedsOfOne, noise + "/" + method, score, why);
-  };
-  std::string why;
+/// The peer of the least mean gap; empty, and why is added, where one is not shown.
+std::optional<std::string> best_peer(const Results& results,
+                                     const std::string& noise,
+                                     Score score,
+                                     std::string& why) {
   std::optional<double> best;
   std::string best_name;
   for (const std::string& peer : peers_of_one()) {
-    const std::optional<double> gap = gap_of(peer, why);
+    const std::optional<double> gap =
+        mean_over(results, tasks_of_one_objective(), kSeedsOfOne, noise + "/" + peer, score, why);
     if (!gap) {
-      bar.what += why;
-      return bar;
+      return std::nullopt;
     }
     if (!best || *gap < *best) {
       best = gap;
       best_name = peer;
     }
   }
-  bar.what += fmt::format(" ({} {:.1f} %)", best_name, *best);
-  if (const auto own = gap_of("glint:auto", why)) {
-    bar.value = *own / *best;
+  return best_name;
+}
+
+/// Of seeds that both have; empty, and why is added, where there are too few of them.
+std::optional<Pairs> pairs_of_task(const Results& results,
+                                   const std::string& own_part,
+                                   const std::string& peer_part,
+                                   Score score,
+                                   std::string& why) {
+  for (const std::string& part : {own_part, peer_part}) {
+    if (!mean_of_part(results, part, kSeedsOfOne, score, why)) {
+      return std::nullopt;
+    }
   }
-  bar.what += why;
-  return bar;
+  const Row& peer_row = results.at(peer_part);
+  Pairs pairs;
+  for (const auto& [seed, own] : results.at(own_part)) {
+    const auto peer = peer_row.find(seed);
+    if (peer != peer_row.end()) {
+      pairs.own.push_back(own.*score);
+      pairs.peer.push_back(peer->second.*score);
+    }
+  }
+  if (pairs.own.size() < static_cast<std::size_t>(kSeedsOfOne)) {
+    why = fmt::format(" ({} seeds are those of {})", pairs.own.size(), peer_part);
+    return std::nullopt;
+  }
+  return pairs;
+}
+
+std::optional<std::vector<Pairs>> pairs_over(const Results& results,
+                                             const std::vector<std::string_view>& tasks,
+                                             const std::string& noise,
+                                             const std::string& peer,
+                                             Score score,
+                                             std::string& why) {
+  std::vector<Pairs> all;
+  for (const std::string_view task : tasks) {
+    const std::string begin = fmt::format("{}/{}/", task, noise);
+    auto pairs = pairs_of_task(results, begin + "glint:auto", begin + peer, score, why);
+    if (!pairs) {
+      return std::nullopt;
+    }
+    all.push_back(std::move(*pairs));
+  }
+  return all;
+}
+
+struct RatioWanted {
+  std::string noise;
+  Score score = nullptr;
+  const char* after = "";
+  double bound = 0.0;
+  double upper_bound = 0.0;
+};
+
+/// The ratio of mean gaps to the best peer's, and the upper end of its interval.
+std::vector<Bar> ratio_bars(const Results& results,
+                            const Results& development,
+                            const RatioWanted& wanted) {
+  const std::string what =
+      fmt::format("gap over best peer's, noise {}, after {}", wanted.noise, wanted.after);
+  Bar ratio{.what = what, .bound = wanted.bound};
+  Bar upper{.what = "upper 95 % end of " + what, .bound = wanted.upper_bound};
+  std::string why;
+  if (const auto peer = best_peer(development, wanted.noise, wanted.score, why)) {
+    const auto pairs =
+        pairs_over(results, tasks_of_one_objective(), wanted.noise, *peer, wanted.score, why);
+    if (pairs) {
+      const Means means = means_of(*pairs);
+      ratio.value = means.own / means.peer;
+      upper.value = upper_ends(*pairs).ratio;
+      ratio.what += fmt::format(" ({} {:.1f} %)", *peer, means.peer);
+    }
+  }
+  ratio.what += why;
+  upper.what += why;
+  return {ratio, upper};
 }
 
 /// On its worst task.
@@ -188,14 +255,17 @@ bool is_met(const Bar& bar) {
   return bar.value && (bar.is_least ? *bar.value >= bar.bound : *bar.value <= bar.bound);
 }
 
-std::vector<Bar> bars_of(const Results& results) {
+std::vector<Bar> bars_of(const Results& results, const Results& development) {
   std::vector<Bar> bars = hypervolume_bars(results);
+  const auto add_ratio = [&](const RatioWanted& wanted) {
+    std::ranges::copy(ratio_bars(results, development, wanted), std::back_inserter(bars));
+  };
   for (const std::string& noise : noises_of_one()) {
     const bool is_noisy = noise != "0";
     if (is_noisy) {
-      bars.push_back(ratio_bar(results, noise, &Result::after_100, "100", 0.9));
+      add_ratio({noise, &Result::after_100, "100", 0.9, 1.0});
     }
-    bars.push_back(ratio_bar(results, noise, &Result::after_300, "300", is_noisy ? 0.9 : 1.1));
+    add_ratio({noise, &Result::after_300, "300", is_noisy ? 0.9 : 1.1, is_noisy ? 1.0 : 1.2});
     bars.push_back(random_bar(results, noise));
   }
   return bars;

@@ -38,6 +38,7 @@ struct Bar {
 
 bool is_met(const Bar& bar);
 
-std::vector<Bar> bars_of(const Results& results);
+/// @param development  what the best peer is chosen by; may be `results` itself
+std::vector<Bar> bars_of(const Results& results, const Results& development);
 
 }  // namespace glint::quality

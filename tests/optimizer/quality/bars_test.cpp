@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "tests/optimizer/quality/optuna_peer.h"
+#include "tests/optimizer/quality/resampling.h"
 
 namespace glint::quality {
 namespace {
@@ -33,7 +34,7 @@ Results results_of(const std::string& noise, double own, int num_seeds) {
 }
 
 Bar bar_of(const Results& results, const std::string& begin) {
-  const std::vector<Bar> bars = bars_of(results);
+  const std::vector<Bar> bars = bars_of(results, results);
   const auto found =
       std::ranges::find_if(bars, [&](const Bar& bar) { return bar.what.starts_with(begin); });
   EXPECT_NE(found, bars.end()) << begin;
@@ -64,9 +65,68 @@ TEST(Bars, AreAllMetByAWholeRunThatIsGoodEnough) {
       results[part][seed] = {.after_100 = score, .after_300 = score};
     }
   }
-  for (const Bar& bar : bars_of(results)) {
+  for (const Bar& bar : bars_of(results, results)) {
     EXPECT_TRUE(is_met(bar)) << bar.what;
   }
+}
+
+// Which peer is the best is not chosen by the seeds that judge.
+TEST(Bars, CompareWithThePeerThatIsBestOnTheDevelopmentSeeds) {
+  const std::string what = "gap over best peer's, noise 0.2, after 100";
+  Results development = results_of("0.2", 20.0, 30);
+  Results fresh = results_of("0.2", 20.0, 30);
+  for (const std::string_view task : tasks_of_one_objective()) {
+    for (int seed = 1; seed <= 30; ++seed) {
+      development.at(fmt::format("{}/0.2/optuna:tpe", task)).at(seed).after_100 = 30.0;
+      fresh.at(fmt::format("{}/0.2/nlopt:cobyla", task)).at(seed).after_100 = 25.0;
+    }
+  }
+  const std::vector<Bar> bars = bars_of(fresh, development);
+  const auto found =
+      std::ranges::find_if(bars, [&](const Bar& bar) { return bar.what.starts_with(what); });
+  ASSERT_NE(found, bars.end());
+  EXPECT_DOUBLE_EQ(found->value.value(), 0.5);
+  EXPECT_THAT(found->what, HasSubstr("optuna:tpe"));
+}
+
+/// Standard deviation 15 from seed to seed, 120 searches: 1.96 * 15 / sqrt(120) / 40 = 0.067 above.
+TEST(Bars, HaveAnUpperEndBesideARatio) {
+  const std::string what = "gap over best peer's, noise 0.2, after 300";
+  Results results = results_of("0.2", 40.0, 30);
+  EXPECT_DOUBLE_EQ(bar_of(results, "upper 95 % end of " + what).value.value(), 1.0);
+  for (auto& [part, row] : results) {
+    for (auto& [seed, result] : row) {
+      if (part.ends_with("/glint:auto")) {
+        result.after_300 = seed <= 3 ? 0.0 : seed <= 15 ? 50.0 : 30.0;
+      }
+    }
+  }
+  const Bar ratio = bar_of(results, what);
+  const Bar upper = bar_of(results, "upper 95 % end of " + what);
+  EXPECT_NEAR(ratio.value.value(), (12 * 50.0 + 15 * 30.0) / (30 * 40.0), 1e-12);
+  EXPECT_GT(upper.value.value(), ratio.value.value() + 0.05);
+  EXPECT_LT(upper.value.value(), ratio.value.value() + 0.15);
+}
+
+/// Own and peer vary a lot from seed to seed, and alike: the ratio is as sure as it can be.
+TEST(UpperEnds, AreOfPairs) {
+  Pairs pairs;
+  for (int i = 1; i <= 30; ++i) {
+    pairs.peer.push_back(i * i);
+    pairs.own.push_back(0.5 * i * i);
+  }
+  EXPECT_NEAR(upper_ends({pairs, pairs}).ratio, 0.5, 1e-12);
+  EXPECT_LT(upper_ends({pairs}).difference, 0.0);
+}
+
+/// 40 values of mean 0 and variance 1: the 97.5 % quantile of their mean is 1.96 / sqrt(40).
+TEST(UpperEnds, AreThoseOfTheNormalDistribution) {
+  Pairs pairs;
+  for (int i = 0; i < 40; ++i) {
+    pairs.own.push_back(i % 2 == 0 ? 1.0 : -1.0);
+    pairs.peer.push_back(0.0);
+  }
+  EXPECT_NEAR(upper_ends({pairs}).difference, 1.96 / std::sqrt(40.0), 0.05);
 }
 
 TEST(Bars, WithoutOptunaAreNotShown) {

@@ -2,14 +2,15 @@
 //
 // usage: glint_search_quality --list
 //        glint_search_quality RESULTS [--fresh] [--seeds N] [--evaluations N] [PART ...]
-//        glint_search_quality RESULTS [--fresh] --table
+//        glint_search_quality RESULTS [--chosen_by FILE] --table
 //
 // Compares searches on noisy tasks whose optima are known. A part is TASK/NOISE/METHOD, like
 // zdt1/0.05/glint:auto; without parts all of --list. Each search adds one line to the file RESULTS;
 // searches that it holds already are not run again, so an interrupted run goes on. Development
-// seeds are 1, 2, ..; --fresh takes 1001, 1002, ... --table prints means and bars. Parts whose peer
-// is not installed (Optuna) are left out with a word, and their bars are not shown. Exit: 0 all
-// bars met, 1 one is missed or not shown, 2 wrong usage.
+// seeds are 1, 2, ..; --fresh takes 1001, 1002, ... --table prints means and bars;
+// the peer to compare with is the best of the results in FILE (default: RESULTS). Parts whose peer
+// is not installed (Optuna) are left out with a word, and their bars are not shown.
+// Exit: 0 all bars met, 1 one is missed or not shown, 2 wrong usage.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,6 +33,7 @@ constexpr int kFirstFreshSeed = 1001;
 
 struct Options {
   std::string results;
+  std::string chosen_by;
   bool is_fresh = false;
   bool is_table = false;
   int num_seeds = 0;  ///< 0: 30, of several objectives 20
@@ -99,7 +101,8 @@ int print_table(const Options& options) {
                  mean_of(row, &Result::own_ms));
     }
   }
-  const std::vector<Bar> bars = bars_of(results);
+  const std::vector<Bar> bars =
+      bars_of(results, options.chosen_by.empty() ? results : read_results(options.chosen_by));
   for (const Bar& bar : bars) {
     const std::string value = bar.value ? fmt::format("{:.3g}", *bar.value) : "-";
     fmt::print("{:<10} {:>6} {} {:<5} {}\n",
@@ -126,6 +129,9 @@ Options parse(const std::vector<std::string>& arguments) {
       options.is_fresh = true;
     } else if (argument == "--table") {
       options.is_table = true;
+    } else if (argument == "--chosen_by") {
+      GLINT_CHECK(i + 1 < arguments.size(), "an option with a file");
+      options.chosen_by = arguments[++i];
     } else if (argument == "--seeds") {
       options.num_seeds = number();
     } else if (argument == "--evaluations") {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <string_view>
+#include <utility>
 
 #include "tests/optimizer/quality/resampling.h"
 
@@ -14,6 +15,8 @@ namespace glint::quality {
 namespace {
 
 using Score = double Result::*;
+
+constexpr const char* kMixedPeer = "optuna:tpe";
 
 /// Mean over seeds; empty, and why is added, where there are too few of them.
 std::optional<double> mean_of_part(
@@ -173,6 +176,32 @@ std::vector<Bar> ratio_bars(const Results& results,
   return {ratio, upper};
 }
 
+/// On spaces with choices and conditions: own gap minus the peer's, of each task.
+std::vector<Bar> mixed_bars(const Results& results) {
+  std::vector<Bar> bars;
+  for (const std::string_view task : mixed_tasks()) {
+    for (const std::string& noise : noises_of_several()) {
+      for (const auto& [after, score] : {std::pair{50, &Result::after_50},
+                                         std::pair{100, &Result::after_100},
+                                         std::pair{300, &Result::after_300}}) {
+        std::string why;
+        Bar bar{.bound = 0.0};
+        if (const auto pairs = pairs_over(results, {task}, noise, kMixedPeer, score, why)) {
+          bar.value = upper_ends(*pairs).difference;
+        }
+        bar.what = fmt::format("upper 95 % end of {}'s gap minus {}'s, noise {}, after {}{}",
+                               task,
+                               kMixedPeer,
+                               noise,
+                               after,
+                               why);
+        bars.push_back(std::move(bar));
+      }
+    }
+  }
+  return bars;
+}
+
 /// On its worst task.
 Bar random_bar(const Results& results, const std::string& noise) {
   Bar bar{.what = fmt::format("gap over random's on the worst task, noise {}, after 100", noise),
@@ -240,6 +269,7 @@ std::vector<std::string> all_parts() {
   };
   add(tasks_of_several_objectives(), noises_of_several(), {"glint:nsga2", "glint:nspso"});
   add(tasks_of_one_objective(), noises_of_one(), peers_of_one());
+  add(mixed_tasks(), noises_of_several(), {kMixedPeer});
   return parts;
 }
 
@@ -268,6 +298,7 @@ std::vector<Bar> bars_of(const Results& results, const Results& development) {
     add_ratio({noise, &Result::after_300, "300", is_noisy ? 0.9 : 1.1, is_noisy ? 1.0 : 1.2});
     bars.push_back(random_bar(results, noise));
   }
+  std::ranges::copy(mixed_bars(results), std::back_inserter(bars));
   return bars;
 }
 

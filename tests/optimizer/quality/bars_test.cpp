@@ -62,11 +62,46 @@ TEST(Bars, AreAllMetByAWholeRunThatIsGoodEnough) {
     const double gap = is_own ? 1.0 : 40.0;
     const double score = is_of_several(part.substr(0, part.find('/'))) ? 99.0 : gap;
     for (int seed = 1; seed <= kSeedsOfOne; ++seed) {
-      results[part][seed] = {.after_100 = score, .after_300 = score};
+      results[part][seed] = {.after_50 = score, .after_100 = score, .after_300 = score};
     }
   }
   for (const Bar& bar : bars_of(results, results)) {
     EXPECT_TRUE(is_met(bar)) << bar.what;
+  }
+}
+
+TEST(Bars, OnMixedSpacesAreMissedWhereTpeMayBeBetter) {
+  Results results;
+  for (int seed = 1; seed <= kSeedsOfOne; ++seed) {
+    results["kinds/0.05/glint:auto"][seed] = {.after_50 = 20.0 + seed, .after_100 = 20.0};
+    results["kinds/0.05/optuna:tpe"][seed] = {.after_50 = 21.0 + seed,
+                                              .after_100 = 20.0 + seed % 2};
+  }
+  const std::string what = "upper 95 % end of kinds's gap minus optuna:tpe's, noise 0.05, after ";
+  EXPECT_NEAR(bar_of(results, what + "50").value.value(), -1.0, 1e-9);
+  EXPECT_TRUE(is_met(bar_of(results, what + "100")));
+  for (auto& [seed, result] : results.at("kinds/0.05/glint:auto")) {
+    result.after_100 = 20.4;
+  }
+  EXPECT_FALSE(is_met(bar_of(results, what + "100"))) << "better by 0.1 only, which is not sure";
+}
+
+TEST(MixedTasks, HaveTheirOptimumOfZeroAtADesign) {
+  for (const std::string_view name : mixed_tasks()) {
+    for (int instance = 1; instance <= 5; ++instance) {
+      const Task task = make_task(name, instance);
+      Rng rng(static_cast<std::uint64_t>(instance), Stream::kTest, 3);
+      double least = task.median;
+      for (int i = 0; i < 20000; ++i) {
+        std::vector<double> unit(task.space.variables.size());
+        for (double& value : unit) {
+          value = rng.uniform();
+        }
+        least = std::min(least, task.truth(point_from_unit(task.space, unit))[0]);
+      }
+      EXPECT_GE(least, 0.0) << name;
+      EXPECT_LT(least, 0.25 * task.median) << name;
+    }
   }
 }
 
@@ -151,7 +186,7 @@ TEST(OptunaPeer, LooksForTheLeastAndLeavesOutWhatIsNotActive) {
         rings += point[0] == 0.0 ? 1 : 0;
         peer.tell(point[0] == 0.0 ? std::abs(point[1] - 4.0) : 9.0);
       }
-      EXPECT_GT(rings, 15) << sampler;
+      EXPECT_GT(rings, 8) << sampler;
       EXPECT_LT(rings, 40) << sampler;
     } catch (const PeerMissing& missing) {
       GTEST_SKIP() << missing.what();

@@ -18,19 +18,12 @@ namespace {
 
 using Vector = std::vector<double>;
 
+constexpr std::size_t kEarlyCheck = 50;
 constexpr std::size_t kFirstCheck = 100;
 constexpr std::size_t kSecondCheck = 300;
 
 double cpu_ms() {
   return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
-SearchSpace unit_cube(int num_variables) {
-  SearchSpace space;
-  for (int i = 0; i < num_variables; ++i) {
-    space.variables.push_back({.name = "x" + std::to_string(i)});
-  }
-  return space;
 }
 
 Result glint_search(const std::string& name,
@@ -40,7 +33,7 @@ Result glint_search(const std::string& name,
                     bool is_noisy,
                     std::size_t evaluations) {
   const auto algorithm = make_algorithm(
-      unit_cube(task.num_variables),
+      task.space,
       {.algorithm = name, .seed = static_cast<std::uint64_t>(instance), .is_noisy = is_noisy},
       {},
       0,
@@ -64,6 +57,9 @@ Result glint_search(const std::string& name,
       }
       return means;
     };
+    if (judge.count() == kEarlyCheck) {
+      result.after_50 = judge.score(kEarlyCheck, expected());
+    }
     if (judge.count() == kFirstCheck) {
       result.after_100 = judge.score(kFirstCheck, expected());
     }
@@ -104,13 +100,13 @@ void nlopt_search(const std::string& name,
   Rng rng(static_cast<std::uint64_t>(instance), Stream::kTest, 2000);
   Budgeted budgeted{&judge, evaluations};
   for (int starts = 0; judge.count() < evaluations && starts < 500; ++starts) {
-    nlopt::opt optimizer(method, static_cast<unsigned>(task.num_variables));
+    nlopt::opt optimizer(method, static_cast<unsigned>(task.space.variables.size()));
     optimizer.set_lower_bounds(0.0);
     optimizer.set_upper_bounds(1.0);
     optimizer.set_min_objective(&evaluate_for_nlopt, &budgeted);
     optimizer.set_xtol_abs(method == nlopt::LN_COBYLA || method == nlopt::LN_BOBYQA ? 1e-3 : 0.0);
     optimizer.set_initial_step(0.2);
-    Vector x(static_cast<std::size_t>(task.num_variables));
+    Vector x(task.space.variables.size());
     for (double& value : x) {
       value = rng.uniform();
     }
@@ -130,8 +126,7 @@ void optuna_search(const std::string& name,
                    const Task& task,
                    int instance,
                    std::size_t evaluations) {
-  const SearchSpace space = unit_cube(task.num_variables);
-  OptunaPeer peer(space, name, static_cast<std::uint64_t>(instance));
+  OptunaPeer peer(task.space, name, static_cast<std::uint64_t>(instance));
   while (judge.count() < evaluations) {
     peer.tell(judge.evaluate(peer.ask()).front());
   }
@@ -182,7 +177,8 @@ Result run_method(
     GLINT_CHECK(method.substr(0, colon) == "nlopt", "a method of Glint, NLopt or Optuna");
     nlopt_search(name, judge, task, instance, limit);
   }
-  Result result{.after_100 = judge.score(std::min(judge.count(), kFirstCheck), {})};
+  Result result{.after_50 = judge.score(std::min(judge.count(), kEarlyCheck), {}),
+                .after_100 = judge.score(std::min(judge.count(), kFirstCheck), {})};
   result.after_300 =
       judge.count() >= kSecondCheck ? judge.score(kSecondCheck, {}) : result.after_100;
   return result;

@@ -20,7 +20,7 @@ class Judge {
   /// @param noise  standard deviation of what is added, in parts of each objective's spread
   Judge(const Task& task, double noise, int instance);
 
-  /// @param x  in the unit cube
+  /// @param x  a design of the task's space
   std::vector<double> evaluate(const std::vector<double>& x);
 
   std::size_t count() const { return truths_.size(); }
@@ -40,8 +40,9 @@ class Judge {
   std::vector<std::vector<double>> seen_;
 };
 
-/// Scores after 100 and 300 evaluations.
+/// Scores after 50, 100 and 300 evaluations.
 struct Result {
+  double after_50 = 0.0;
   double after_100 = 0.0;
   double after_300 = 0.0;
   double own_ms = 0.0;  ///< of the method itself, per evaluation

@@ -51,7 +51,8 @@ Results read_results(const std::string& path) {
     std::string end;
     int seed = 0;
     Result result;
-    if (fields >> part >> seed >> result.after_100 >> result.after_300 >> result.own_ms >> end &&
+    if (fields >> part >> seed >> result.after_50 >> result.after_100 >> result.after_300 >>
+            result.own_ms >> end &&
         end == ".") {
       results[part][seed] = result;
     }
@@ -76,9 +77,10 @@ void run_part(const std::string& part, const Options& options, const Row& known)
     const Task task = make_task(name, seed);
     const Result result =
         run_method(part.substr(second + 1), task, noise, seed, options.evaluations);
-    file << fmt::format("{} {} {:.4f} {:.4f} {:.4f} .\n",
+    file << fmt::format("{} {} {:.4f} {:.4f} {:.4f} {:.4f} .\n",
                         part,
                         seed,
+                        result.after_50,
                         result.after_100,
                         result.after_300,
                         result.own_ms)
@@ -88,14 +90,16 @@ void run_part(const std::string& part, const Options& options, const Row& known)
 
 int print_table(const Options& options) {
   const Results results = read_results(options.results);
-  fmt::print("{:<36} {:>5} {:>8} {:>8} {:>8}\n", "part", "seeds", "100", "300", "ms/eval");
+  fmt::print(
+      "{:<36} {:>5} {:>8} {:>8} {:>8} {:>8}\n", "part", "seeds", "50", "100", "300", "ms/eval");
   for (const std::string& part : all_parts()) {
     const auto found = results.find(part);
     if (found != results.end()) {
       const Row& row = found->second;
-      fmt::print("{:<36} {:>5} {:>8.1f} {:>8.1f} {:>8.2f}\n",
+      fmt::print("{:<36} {:>5} {:>8.1f} {:>8.1f} {:>8.1f} {:>8.2f}\n",
                  part,
                  row.size(),
+                 mean_of(row, &Result::after_50),
                  mean_of(row, &Result::after_100),
                  mean_of(row, &Result::after_300),
                  mean_of(row, &Result::own_ms));

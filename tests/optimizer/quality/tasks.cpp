@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/rng.h"
+#include "tests/optimizer/quality/mixed_tasks.h"
 
 namespace glint::quality {
 
@@ -120,10 +121,18 @@ void add_directions(Instance& instance, Rng& rng) {
   }
 }
 
+SearchSpace unit_cube(int num_variables) {
+  SearchSpace space;
+  for (int i = 0; i < num_variables; ++i) {
+    space.variables.push_back({.name = "x" + std::to_string(i)});
+  }
+  return space;
+}
+
 using Scalar = double (*)(const Instance&, const VectorXd&);
 
 Task scalar_task(int num_variables, Scalar function, Instance instance) {
-  return {.num_variables = num_variables,
+  return {.space = unit_cube(num_variables),
           .truth = [function, instance = std::move(instance)](const Vector& x) {
             return Vector{function(instance, in_box(x))};
           }};
@@ -140,7 +149,7 @@ double sum_but_first(const Vector& x) {
 /// f2 = g - g (f1 / g)^power, where power is 1/2 in ZDT1 and 2 in ZDT2.
 Task zdt(double power) {
   const double below = 1.0 - 1.0 / (power + 1.0);  // area between the axes and the front
-  return {.num_variables = kFrontVariables,
+  return {.space = unit_cube(kFrontVariables),
           .num_objectives = 2,
           .truth =
               [power](const Vector& x) {
@@ -152,7 +161,7 @@ Task zdt(double power) {
 }
 
 Task dtlz2() {
-  return {.num_variables = kFrontVariables,
+  return {.space = unit_cube(kFrontVariables),
           .num_objectives = 3,
           .truth =
               [](const Vector& x) {
@@ -179,7 +188,7 @@ double with_many_hills(double y) {
 /// Two position parameters, eight of distance; the front is a quarter of an ellipse.
 Task wfg4() {
   return {
-      .num_variables = kFrontVariables,
+      .space = unit_cube(kFrontVariables),
       .num_objectives = 2,
       .truth =
           [](const Vector& x) {
@@ -199,12 +208,12 @@ Task wfg4() {
 /// The same sample for all searches of an instance.
 void measure_scale(Task& task, Rng& rng) {
   std::vector<Vector> values(static_cast<std::size_t>(task.num_objectives));
-  Vector x(static_cast<std::size_t>(task.num_variables));
+  Vector x(task.space.variables.size());
   for (int i = 0; i < kNumSamples; ++i) {
     for (double& value : x) {
       value = rng.uniform();
     }
-    const Vector f = task.truth(x);
+    const Vector f = task.truth(point_from_unit(task.space, x));
     for (std::size_t k = 0; k < f.size(); ++k) {
       values[k].push_back(f[k]);
     }
@@ -227,6 +236,10 @@ std::vector<std::string_view> tasks_of_several_objectives() {
   return {"zdt1", "zdt2", "dtlz2", "wfg4"};
 }
 
+std::vector<std::string_view> mixed_tasks() {
+  return {"kinds", "nested"};
+}
+
 Task make_task(std::string_view name, int instance) {
   Rng rng(static_cast<std::uint64_t>(instance), Stream::kTest, 1000);
   Task task;
@@ -246,6 +259,8 @@ Task make_task(std::string_view name, int instance) {
     task = zdt(name == "zdt1" ? 0.5 : 2.0);
   } else if (name == "dtlz2") {
     task = dtlz2();
+  } else if (name == "kinds" || name == "nested") {
+    task = mixed_task(name == "kinds" ? kinds_space() : nested_space(), rng);
   } else {
     GLINT_CHECK(name == "wfg4", "a known task");
     task = wfg4();

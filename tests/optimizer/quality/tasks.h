@@ -6,7 +6,9 @@
 // One objective: rastrigin8, rosen6, gallagher10, kinks12; the optimum, of value 0, lies at another
 // place for each instance. Several: zdt1, zdt2 (E. Zitzler, K. Deb and L. Thiele, Evolutionary
 // Computation 8, 2000), dtlz2 with three objectives (K. Deb et al., CEC 2002) and wfg4 (S. Huband
-// et al., IEEE Trans. Evol. Comput. 10, 2006), all in ten variables.
+// et al., IEEE Trans. Evol. Comput. 10, 2006), all in ten variables. Mixed, with one objective
+// whose optimum is 0: kinds (of light, with variables of their own) and nested (conditions two
+// deep).
 #pragma once
 
 #include <functional>
@@ -14,12 +16,14 @@
 #include <string_view>
 #include <vector>
 
+#include "optimizer/problem/space.h"
+
 namespace glint::quality {
 
-/// Minimised over the unit cube.
+/// Minimised over its space; the unit cube unless it is mixed.
 struct Task {
   std::string name;
-  int num_variables = 0;
+  SearchSpace space;
   int num_objectives = 1;
   std::function<std::vector<double>(const std::vector<double>&)> truth;
   /// Of several objectives: where the hypervolume is measured from, and that of the whole front.
@@ -31,6 +35,8 @@ struct Task {
 
 std::vector<std::string_view> tasks_of_one_objective();
 std::vector<std::string_view> tasks_of_several_objectives();
+/// Of one objective, with choices, integers and variables that are active for some choices only.
+std::vector<std::string_view> mixed_tasks();
 
 /// @param instance  moves the optimum of tasks with one objective
 Task make_task(std::string_view name, int instance);

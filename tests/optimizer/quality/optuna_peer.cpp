@@ -44,7 +44,9 @@ OptunaPeer::~OptunaPeer() {
 }
 
 void OptunaPeer::end() {
-  std::fclose(to_);  // the process ends with its input
+  std::fclose(to_);  // the process ends with its input, after the question that it is at
+  while (std::fgetc(from_) != EOF) {
+  }
   std::fclose(from_);
   if (process_ > 0) {
     ::waitpid(process_, nullptr, 0);

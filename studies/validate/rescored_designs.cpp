@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
@@ -37,21 +38,25 @@ struct Score {
   double error = 0.0;  ///< standard error of the objective by rendering
 };
 
-Score score_of(SceneStore& store, const SceneSettings& scene, const Goal& goal) {
+/// Empty: it cannot be scored.
+Scores scores_of(SceneStore& store, const SceneSettings& scene, const Goal& goal) {
   try {
-    const Scores scores = evaluate(store, first_view(store, scene), {}, wanted_by(goal)).scores;
-    const auto found = scores.find(goal.objective.name);
-    if (found == scores.end()) {
-      return {};
-    }
-    const auto error = scores.find(goal.objective.name + ".error");
-    return {.objective = found->second,
-            .is_feasible = is_feasible(goal, scores),
-            .error = error == scores.end() ? 0.0 : error->second};
+    return evaluate(store, first_view(store, scene), {}, wanted_by(goal)).scores;
   } catch (const ConfigError& error) {
     log(LogLevel::kWarning, "a design cannot be scored again: {}", error.what());
     return {};
   }
+}
+
+Score score_of(const Scores& scores, const Goal& goal, const Objective& objective) {
+  const auto found = scores.find(objective.name);
+  if (found == scores.end()) {
+    return {};
+  }
+  const auto error = scores.find(objective.name + ".error");
+  return {.objective = found->second,
+          .is_feasible = is_feasible(goal, scores),
+          .error = error == scores.end() ? 0.0 : error->second};
 }
 
 Json json_of(const std::optional<double>& value) {
@@ -88,9 +93,18 @@ struct RescoredDesign {
   std::string name;
   bool is_trial = false;  ///< of the search, without a folder of its own
   SceneSettings scene;
-  Score before;
-  Score after;
+  Scores scores_before = {};
+  Scores scores_after = {};
+  Score before = {};  ///< by the objective that is looked at
+  Score after = {};
 };
+
+void look_at(const Objective& objective, const Goal& goal, std::vector<RescoredDesign>& designs) {
+  for (RescoredDesign& design : designs) {
+    design.before = score_of(design.scores_before, goal, objective);
+    design.after = score_of(design.scores_after, goal, objective);
+  }
+}
 
 std::string text_of(const SceneSettings& scene) {
   return to_toml(write_scene(scene));
@@ -99,14 +113,12 @@ std::string text_of(const SceneSettings& scene) {
 /// All search trials that have an objective, the best first.
 std::vector<Trial> ranked_trials(const std::filesystem::path& database, const Goal& goal) {
   std::vector<Trial> trials = Storage::read(database).trials(TrialKind::kSearch);
-  std::erase_if(trials, [&goal](const Trial& trial) {
-    return !trial.outcome || trial.outcome->is_failed ||
-           !trial.outcome->scores.contains(goal.objective.name);
+  const std::string& name = goal.objective.name;
+  std::erase_if(trials, [&name](const Trial& trial) {
+    return !trial.outcome || trial.outcome->is_failed || !trial.outcome->scores.contains(name);
   });
   const auto score = [&goal](const Trial& trial) {
-    const Scores& scores = trial.outcome->scores;
-    return Score{.objective = scores.at(goal.objective.name),
-                 .is_feasible = is_feasible(goal, scores)};
+    return score_of(trial.outcome->scores, goal, goal.objective);
   };
   std::ranges::stable_sort(trials, [&](const Trial& one, const Trial& other) {
     return is_better(score(one), score(other), goal.objective.is_maximised);
@@ -114,12 +126,12 @@ std::vector<Trial> ranked_trials(const std::filesystem::path& database, const Go
   return trials;
 }
 
-/// Adds the best trials of the run's search, but for those that are there by another name.
+/// Adds the best trials of a search by one objective, but for those there by another name.
 void add_trials(const Study& study,
                 const std::filesystem::path& run,
                 std::vector<RescoredDesign>& designs) {
   const std::filesystem::path database = run / "study.sqlite";
-  if (!study.has_search() || !is_there(database)) {
+  if (!study.has_search() || has_several_objectives(study.goal) || !is_there(database)) {
     return;
   }
   std::set<std::string> known;
@@ -159,9 +171,7 @@ std::vector<std::string> order_of(const std::vector<RescoredDesign>& designs,
     return is_better(one->*score, other->*score, is_maximised);
   });
   std::vector<std::string> names;
-  for (const RescoredDesign* design : sorted) {
-    names.push_back(design->name);
-  }
+  std::ranges::transform(sorted, std::back_inserter(names), &RescoredDesign::name);
   return names;
 }
 
@@ -217,6 +227,12 @@ Json row_of(const RescoredDesign& design) {
           {"feasible_after", design.after.is_feasible}};
 }
 
+Json rows_of(const std::vector<RescoredDesign>& designs) {
+  Json rows = Json::array();
+  std::ranges::transform(designs, std::back_inserter(rows), row_of);
+  return rows;
+}
+
 std::string winner_text(const Json& rescored) {
   const std::string winner = rescored["winner_before"].get<std::string>();
   if (rescored["changed"].is_null()) {
@@ -248,7 +264,40 @@ std::string order_text(const Json& rescored) {
                      winner_text(rescored));
 }
 
-Json rescored_json(const Study& study, const std::vector<RescoredDesign>& designs, Json rows) {
+/// Whether the refit surely puts a design before one that was not behind it.
+bool has_other_order(const std::vector<RescoredDesign>& designs, bool is_maximised) {
+  return std::ranges::any_of(designs, [&](const RescoredDesign& one) {
+    return std::ranges::any_of(designs, [&](const RescoredDesign& other) {
+      return is_surely_better(one.after, other.after, is_maximised) &&
+             !is_better(one.before, other.before, is_maximised);
+    });
+  });
+}
+
+/// Several objectives have no winner in common: the order by each.
+Json orders_json(const Goal& goal, std::vector<RescoredDesign>& designs) {
+  Json objectives = Json::array();
+  std::vector<std::string> told;
+  for (const Objective& objective : objectives_of(goal)) {
+    look_at(objective, goal, designs);
+    const auto before = order_of(designs, &RescoredDesign::before, objective.is_maximised);
+    const auto after = order_of(designs, &RescoredDesign::after, objective.is_maximised);
+    const bool is_changed = has_other_order(designs, objective.is_maximised);
+    const char* const how = is_changed ? "is another" : "holds as far as it can be told";
+    if (!after.empty()) {
+      told.push_back(fmt::format("by {} {} ({})", objective.name, how, join(after, ", ")));
+    }
+    objectives.push_back({{"objective", objective.name},
+                          {"designs", rows_of(designs)},
+                          {"order_before", before},
+                          {"order_after", after},
+                          {"changed", is_changed}});
+  }
+  const std::string text = "With what the refit has found, the order " + join(told, ", ") + ".";
+  return {{"objectives", objectives}, {"text", told.empty() ? "" : text}};
+}
+
+Json rescored_json(const Study& study, const std::vector<RescoredDesign>& designs) {
   const bool is_maximised = study.goal.objective.is_maximised;
   const auto before = order_of(designs, &RescoredDesign::before, is_maximised);
   const auto after = order_of(designs, &RescoredDesign::after, is_maximised);
@@ -259,7 +308,7 @@ Json rescored_json(const Study& study, const std::vector<RescoredDesign>& design
   const bool is_untold = challenger == nullptr && challenge.untold != nullptr;
   const std::string name = winner == nullptr ? "" : winner->name;
   Json json = {{"objective", study.goal.objective.name},
-               {"designs", std::move(rows)},
+               {"designs", rows_of(designs)},
                {"order_before", before},
                {"order_after", after},
                {"winner_before", name},
@@ -310,7 +359,7 @@ Json rescore_designs(SceneStore& store,
                      const std::filesystem::path& run,
                      const std::vector<std::string>& names,
                      const DesignRefit& refit) {
-  if (!study.has_objective || has_several_objectives(study.goal)) {
+  if (!study.has_objective) {
     return nullptr;
   }
   std::vector<RescoredDesign> designs;
@@ -318,13 +367,16 @@ Json rescore_designs(SceneStore& store,
     designs.push_back({.name = name, .scene = load_scene(run / name / "scene.toml")});
   }
   add_trials(study, run, designs);
-  Json rows = Json::array();
   for (RescoredDesign& design : designs) {
-    design.before = score_of(store, design.scene, study.goal);
-    design.after = score_of(store, refitted_scene(design.scene, refit, design.name), study.goal);
-    rows.push_back(row_of(design));
+    const SceneSettings refitted = refitted_scene(design.scene, refit, design.name);
+    design.scores_before = scores_of(store, design.scene, study.goal);
+    design.scores_after = scores_of(store, refitted, study.goal);
   }
-  return rescored_json(study, designs, std::move(rows));
+  if (has_several_objectives(study.goal)) {
+    return orders_json(study.goal, designs);
+  }
+  look_at(study.goal.objective, study.goal, designs);
+  return rescored_json(study, designs);
 }
 
 }  // namespace glint

@@ -44,8 +44,11 @@ SceneSettings refitted_scene(const SceneSettings& scene,
 ///         be had is null, and the orders are without its design; changed: a design is ahead of the
 ///         winner by the refit that was not before, by more than two standard errors of rendering
 ///         (of both scores together); null where one is ahead by less, which `untold` names: it
-///         cannot be told; the whole is null without an objective, and with several, which order no
-///         designs
+///         cannot be told. With several objectives, which have no winner in common, of the run's
+///         folders alone: { objectives: [ { objective, designs, order_before, order_after, changed
+///         }
+///         ], text }; changed: a design is ahead of another by the refit that was not before, by
+///         more than two standard errors. Null without an objective
 nlohmann::ordered_json rescore_designs(SceneStore& store,
                                        const Study& study,
                                        const std::filesystem::path& run,

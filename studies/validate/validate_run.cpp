@@ -390,7 +390,7 @@ class ValidateRun {
             : Json(nullptr);
     if (json["rescored"].is_null()) {
       sources_.notes.emplace_back(
-          "Whether the refit changes the winner is not told: that takes a study with one "
+          "Whether the refit changes the winner is not told: that takes a study with an "
           "objective");
     } else if (json["rescored"]["text"] != "") {
       sources_.notes.push_back(json["rescored"]["text"].get<std::string>());

@@ -177,6 +177,28 @@ TEST(RescoreDesigns, TellWhomTheRefitLiftsAboveTheWinner) {
   EXPECT_THAT(dead["text"].get<std::string>(), testing::HasSubstr("takes the place of " + winner));
 }
 
+// The refit all but switches off the brighter design.
+TEST(RescoreDesigns, TellTheOrderByEachOfSeveralObjectives) {
+  const TemporaryFolder folder;
+  Study study = coarse_run(folder.path(), kTrialStudy);
+  study.goal.more_objectives = {{.name = "homogeneity.mean"}};
+  const auto same = rescored(folder.path(), study);
+  ASSERT_EQ(same["objectives"].size(), 2U) << same;
+  EXPECT_EQ(same["objectives"][0]["objective"], "defects.min_cnr");
+  const auto& by_mean = same["objectives"][1];
+  EXPECT_EQ(by_mean["objective"], "homogeneity.mean");
+  EXPECT_EQ(by_mean["changed"], false);
+  EXPECT_EQ(by_mean["order_before"], by_mean["order_after"]);
+  const std::string bright = by_mean["order_before"][0].get<std::string>();
+  const auto dead = rescored(folder.path(), study, {.exposures = {{bright, 1e-3}}});
+  EXPECT_EQ(dead["objectives"][1]["changed"], true) << dead;
+  EXPECT_EQ(dead["objectives"][1]["order_before"][0], bright);
+  ASSERT_EQ(dead["objectives"][1]["order_after"].size(), 2U);
+  EXPECT_EQ(dead["objectives"][1]["order_after"][1], bright);
+  EXPECT_THAT(dead["text"].get<std::string>(),
+              testing::HasSubstr("by homogeneity.mean is another"));
+}
+
 // Two designs that are nearly the same: the refit darkens the better one by a little, which the
 // noise of two samples a pixel hides.
 TEST(RescoreDesigns, CannotTellByLessThanTheNoiseOfRendering) {

@@ -18,6 +18,7 @@ namespace {
 constexpr const char* kTable = "accuracy";
 constexpr double kHundredth = 0.01;
 constexpr const char* kResolution = "camera.width_px";
+constexpr const char* kReflections = "render.paths.max_reflections";
 constexpr std::string_view kAllowedTolerance =
     "a number > 0 in the score's own unit, \"2 %\" of its value, or \"0.1 points\" (hundredths)";
 
@@ -111,6 +112,7 @@ void visit_confidence(KeyVisitor& keys, AccuracySettings& settings) {
 std::vector<std::string> keepable() {
   std::vector<std::string> keys = ladder_keys();
   keys.emplace_back(kResolution);
+  keys.emplace_back(kReflections);
   return keys;
 }
 
@@ -149,7 +151,7 @@ std::optional<std::vector<std::string>> read_keep(const ConfigNode* node,
 void check_not_varied(const Study& study, std::vector<Problem>& errors) {
   const std::vector<std::string> all = [] {
     std::vector<std::string> keys = ladder_keys();
-    keys.emplace_back("render.paths.max_reflections");
+    keys.emplace_back(kReflections);
     return keys;
   }();
   const auto refuse = [&](const std::string& path, const Place& place, const char* table) {
@@ -226,6 +228,9 @@ std::vector<std::string> names_of(const KeptKeys& kept) {
   }
   if (kept.resolution) {
     names.emplace_back(kResolution);
+  }
+  if (kept.reflections) {
+    names.emplace_back(kReflections);
   }
   return names;
 }
@@ -314,7 +319,8 @@ std::vector<KeyRow> accuracy_keys() {
                   .allowed = fmt::format("of \"{}\"", fmt::join(keepable(), "\", \"")),
                   .default_text = "those that the file gives",
                   .doc = "keys of [render] that stay as they are; render.paths.samples is then the "
-                         "most that a search takes; camera.width_px: no half resolution"});
+                         "most that a search takes; camera.width_px: no half resolution; "
+                         "render.paths.max_reflections: no fewer reflections"});
   return rows;
 }
 
@@ -332,7 +338,8 @@ KeptKeys kept_keys(const ConfigNode& root) {
           .rays_per_axis = has(ladder_keys()[1]),
           .max_direction_error = has(ladder_keys()[2]),
           .samples = has(ladder_keys()[3]),
-          .resolution = has(kResolution)};
+          .resolution = has(kResolution),
+          .reflections = has(kReflections)};
 }
 
 std::string wish_text(const ScoreWish& wish) {

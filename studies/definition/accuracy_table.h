@@ -7,7 +7,8 @@
 //               [constraints] and result.json have it; "2 %" of its value; "0.1 points": hundredths
 //   confidence  of the bounds, in [0.5, 1)
 //   keep        keys of [render] that stay as they are; without it those that the file gives;
-//               "camera.width_px": no rung renders fewer pixels than the camera has
+//               "camera.width_px": no rung renders fewer pixels than the camera has;
+//               "render.paths.max_reflections": no rung of paths has fewer reflections
 #pragma once
 
 #include <optional>
@@ -26,6 +27,7 @@ struct KeptKeys {
   bool max_direction_error = false;  ///< render.max_direction_error_mrad
   bool samples = false;              ///< render.paths.samples: no rung of a search has more
   bool resolution = false;           ///< camera.width_px, where it is named: every file gives it
+  bool reflections = false;          ///< render.paths.max_reflections, where it is named
 
   bool operator==(const KeptKeys&) const = default;
 };

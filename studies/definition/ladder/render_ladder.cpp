@@ -160,7 +160,8 @@ class RungList {
   void add_paths() {
     const int most = kept_.samples ? scene_.paths.samples : top_.paths.samples;
     const int fewest = kept_.samples ? std::min(kMinSamples, most) : fewest_samples(most);
-    const std::vector<int> reflections = steps_to(1, scene_.paths.max_reflections);
+    const int all = scene_.paths.max_reflections;
+    const std::vector<int> reflections = steps_to(kept_.reflections ? all : 1, all);
     for (const int number : reflections) {
       SceneSettings scene = scene_;
       scene.paths.max_reflections = number;

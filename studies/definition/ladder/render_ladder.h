@@ -49,7 +49,8 @@ struct RenderRung {
 ///   without direct_problems()
 ///
 /// render.paths.samples is an upper limit and shortens the ladder where it is kept, as
-/// max_reflections does always; all others stay as they are.
+/// max_reflections does always; where that is kept, all paths have so many. All others stay as they
+/// are.
 std::vector<RenderRung> render_ladder(const SceneSettings& scene, const KeptKeys& kept);
 
 /// Of the kind that the designs of a study need: of path tracing where one of them does.

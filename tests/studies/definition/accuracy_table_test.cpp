@@ -164,6 +164,20 @@ TEST(WriteAccuracy, TheResolvedTextIsTheSameStudyAndKeepsTheSameKeys) {
   EXPECT_EQ(again.accuracy->wishes.at(0).tolerance, study.accuracy->wishes.at(0).tolerance);
 }
 
+TEST(WriteAccuracy, KeepsReflectionsWhereTheyAreNamed) {
+  const std::string paths = "[render.paths]\nmax_reflections = 3\n";
+  const std::string table = kTunnelSearch + "[accuracy]\ntolerance = \"auto\"\n";
+  const TemporaryFolder folder;
+  write_file(folder / "s.toml", table + "keep = [\"render.paths.max_reflections\"]\n" + paths);
+  const Study study = load_study(folder / "s.toml", {});
+  EXPECT_EQ(kept_keys(study.root), (KeptKeys{.reflections = true}));
+  write_file(folder / "r.toml", resolved_text(study));
+  EXPECT_EQ(kept_keys(load_study(folder / "r.toml", {}).root), (KeptKeys{.reflections = true}));
+  write_file(folder / "given.toml", table + paths);
+  EXPECT_EQ(kept_keys(load_study(folder / "given.toml", {}).root), KeptKeys{})
+      << "it is a limit, and kept on request alone";
+}
+
 TEST(WishText, SaysTheUnit) {
   EXPECT_EQ(wish_text({.score = "homogeneity.h_rms", .tolerance = 0.001}),
             "0.1 points of homogeneity.h_rms (0.001)");

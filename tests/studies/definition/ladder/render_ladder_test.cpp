@@ -71,6 +71,15 @@ TEST(RenderLadder, OfPathsHasReflectionsTimesSamples) {
                           "2 reflections, 64 samples"));
 }
 
+TEST(RenderLadder, KeptReflectionsAreThoseOfEveryRung) {
+  SceneSettings scene = rough();
+  scene.paths.max_reflections = 4;
+  for (const RenderRung& rung : render_ladder(scene, {.reflections = true})) {
+    EXPECT_EQ(at_rung(scene, rung).paths.max_reflections, 4) << rung.name;
+  }
+  EXPECT_THAT(names(render_ladder(scene, {})), testing::Contains("direct light, 8 samples"));
+}
+
 TEST(RenderLadder, OfHalfResolutionHasAQuarterOfThePixels) {
   SceneSettings scene = rough();
   scene.paths.samples = 32;

@@ -138,6 +138,24 @@ TEST(RunAccuracy, ATunnelIsSearchedByTheCheapestRungThatServes) {
   EXPECT_THAT(read_file(folder / "out/report.html"), HasSubstr("How exactly it was rendered"));
 }
 
+// Whole frames, the top, have no derivatives; what the trial knows of a design has none either.
+TEST(RunAccuracy, ASearchByDerivativesIsOnlyComparedWithTheTop) {
+  const TemporaryFolder folder;
+  const std::string by_slsqp = replaced(kTunnelStudy, "\"random\"", "\"slsqp\"");
+  const Json accuracy = run_into(folder, by_slsqp + kAuto, "out")["accuracy"];
+  const Json& rungs = accuracy["rungs"];
+  EXPECT_EQ(rungs.back()["for_search"], false);
+  EXPECT_EQ(rungs.back()["tried"], true);
+  EXPECT_NE(accuracy["rung"], rungs.back()["name"]);
+  for (std::size_t i = 0; i + 1 < rungs.size(); ++i) {
+    EXPECT_EQ(rungs[i]["for_search"], true) << rungs[i]["name"];
+  }
+  const std::vector<Trial> trials =
+      Storage::read(folder / "out/study.sqlite").trials(TrialKind::kSearch);
+  ASSERT_FALSE(trials.empty());
+  EXPECT_EQ(trials.front().outcome->gradients.at("homogeneity.h_rms").size(), 2U);
+}
+
 TEST(RunAccuracy, PathsAreTakenAsExactlyAsAskedFor) {
   const TemporaryFolder folder;
   const auto samples = [&](const std::string& tolerance, const std::string& name) -> int {

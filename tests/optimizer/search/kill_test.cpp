@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <set>
@@ -22,23 +23,38 @@
 namespace glint {
 namespace {
 
-SearchTask killable_task(const std::string& algorithm) {
+/// Searched in two epochs: 120 designs are evaluated again.
+constexpr const char* kInEpochs = "in epochs";
+constexpr int kOfFirstEpoch = 120;
+constexpr int kNextEpoch = 1000;  ///< added to a trial's number in the diary
+
+/// gp with derivatives, and gp with two objectives.
+constexpr const char* kWithDerivatives = "with derivatives";
+constexpr const char* kOfTwo = "of two objectives";
+
+std::string algorithm_of(const std::string& search) {
+  return search == kInEpochs                              ? "auto"
+         : search == kWithDerivatives || search == kOfTwo ? "gp"
+                                                          : search;
+}
+
+SearchTask killable_task(const std::string& search) {
+  const std::string algorithm = algorithm_of(search);
   SearchTask task = {.space = test::mixed_space_for(algorithm),
                      .settings = {.algorithm = algorithm, .batch = 2},
                      .goal = {.objective = {.name = "loss", .is_maximised = false},
                               .constraints = {{.name = "length", .max = 0.8}}},
                      .budget = {.evaluations = 250},
                      .jobs = 2};
-  if (algorithm == "sobol" || needs_several_objectives(algorithm)) {
+  if (search == kWithDerivatives) {
+    task.space = test::smooth_mixed_space();
+    task.settings.derivatives = true;
+  }
+  if (search == kOfTwo || algorithm == "sobol" || needs_several_objectives(algorithm)) {
     task.goal.more_objectives = {{.name = "length", .is_maximised = true}};
   }
   return task;
 }
-
-/// Searched in two epochs: 120 designs are evaluated again.
-constexpr const char* kInEpochs = "in epochs";
-constexpr int kOfFirstEpoch = 120;
-constexpr int kNextEpoch = 1000;  ///< added to a trial's number in the diary
 
 int recorded_epochs(const Storage& storage) {
   const std::vector<Event> events = storage.events();
@@ -79,7 +95,7 @@ SearchResult search_in(const TemporaryFolder& folder, const std::string& algorit
   Storage storage = Storage::open(folder / "s.sqlite", test::identity());
   const bool is_in_epochs = algorithm == kInEpochs;
   int epoch = recorded_epochs(storage);
-  SearchTask task = killable_task(is_in_epochs ? "auto" : algorithm);
+  SearchTask task = killable_task(algorithm);
   if (is_in_epochs) {
     task.review = [&](std::span<const Trial> told) -> std::optional<Event> {
       if (epoch > 0 || told.size() < kOfFirstEpoch) {
@@ -202,7 +218,8 @@ std::size_t kill_until_it_ends(const TemporaryFolder& folder,
   return kills;
 }
 
-void expect_survival(const std::string& algorithm, std::size_t num_kills) {
+/// @return the number of kills, at least num_kills
+std::size_t expect_survival(const std::string& algorithm, std::size_t num_kills) {
   const TemporaryFolder reference;
   const auto begin = std::chrono::steady_clock::now();
   const SearchResult expected = search_in(reference, algorithm);
@@ -222,20 +239,39 @@ void expect_survival(const std::string& algorithm, std::size_t num_kills) {
     EXPECT_EQ(contents_of(folder), expected_contents) << algorithm;
     expect_nothing_repeated(folder, kills);
   }
+  return kills;
 }
 
 TEST(RunSearch, SurvivesKillsAtRandomMoments) {
 #ifdef __SANITIZE_THREAD__
   GTEST_SKIP() << "the thread sanitizer cannot follow threads begun after fork()";
 #endif
-  expect_survival("auto", 50);
   // sobol and nsga2: two objectives
-  for (const char* algorithm : {"slsqp", "mma", "lbfgs", "sobol", kInEpochs}) {
+  for (const char* algorithm : {"auto", "slsqp", "sobol", kInEpochs}) {
     expect_survival(algorithm, 15);
   }
   for (const char* algorithm : {"gp", "cmaes", "nsga2"}) {  // they take longest
-    expect_survival(algorithm, 5);
+    expect_survival(algorithm, 3);
   }
+}
+
+/// Two hundred kills: some minutes, so only where they are asked for.
+TEST(RunSearch, SurvivesKillsWithEveryMethod) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP() << "the thread sanitizer cannot follow threads begun after fork()";
+#endif
+  if (std::getenv("GLINT_ALL_KILLS") == nullptr) {
+    GTEST_SKIP() << "slow: the test optimizer_long asks for it";
+  }
+  std::vector<std::string> searches = {kInEpochs, kWithDerivatives, kOfTwo};
+  for (const std::string_view algorithm : algorithm_names()) {
+    searches.emplace_back(algorithm);
+  }
+  std::size_t kills = 0;
+  for (const std::string& search : searches) {
+    kills += expect_survival(search, 10);
+  }
+  EXPECT_GE(kills, 200U);
 }
 
 }  // namespace

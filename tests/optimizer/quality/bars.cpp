@@ -176,6 +176,29 @@ std::vector<Bar> ratio_bars(const Results& results,
   return {ratio, upper};
 }
 
+/// Own time of the slowest of all tasks with noise.
+Bar time_bar(const Results& results) {
+  Bar bar{.what = "own time over 300 evaluations on the slowest task, ms an evaluation",
+          .bound = 10.0};
+  std::string why;
+  double longest = 0.0;
+  for (const std::string& part : all_parts()) {
+    if (!part.ends_with("/glint:auto") || part.find("/0/") != std::string::npos) {
+      continue;
+    }
+    const int needed =
+        is_of_several(part.substr(0, part.find('/'))) ? kSeedsOfSeveral : kSeedsOfOne;
+    const auto mean = mean_of_part(results, part, needed, &Result::own_ms, why);
+    if (!mean) {
+      bar.what += why;
+      return bar;
+    }
+    longest = std::max(longest, *mean);
+  }
+  bar.value = longest;
+  return bar;
+}
+
 /// On spaces with choices and conditions: own gap minus the peer's, of each task.
 std::vector<Bar> mixed_bars(const Results& results) {
   std::vector<Bar> bars;
@@ -299,6 +322,7 @@ std::vector<Bar> bars_of(const Results& results, const Results& development) {
     bars.push_back(random_bar(results, noise));
   }
   std::ranges::copy(mixed_bars(results), std::back_inserter(bars));
+  bars.push_back(time_bar(results));
   return bars;
 }
 

@@ -105,6 +105,24 @@ TEST(MixedTasks, HaveTheirOptimumOfZeroAtADesign) {
   }
 }
 
+TEST(Bars, JudgeTheOwnTimeOfTheSlowestTask) {
+  Results results;
+  for (const std::string& part : all_parts()) {
+    for (int seed = 1; seed <= kSeedsOfOne; ++seed) {
+      results[part][seed].own_ms = part.ends_with("/glint:auto") ? 9.0 : 90.0;
+    }
+  }
+  EXPECT_TRUE(is_met(bar_of(results, "own time")));
+  for (auto& [seed, result] : results.at("dtlz2/0.05/glint:auto")) {
+    result.own_ms = 11.0;
+  }
+  const Bar missed = bar_of(results, "own time");
+  EXPECT_NEAR(missed.value.value(), 11.0, 1e-9);
+  EXPECT_FALSE(is_met(missed));
+  results.erase("nested/0.2/glint:auto");
+  EXPECT_FALSE(bar_of(results, "own time").value);
+}
+
 // Which peer is the best is not chosen by the seeds that judge.
 TEST(Bars, CompareWithThePeerThatIsBestOnTheDevelopmentSeeds) {
   const std::string what = "gap over best peer's, noise 0.2, after 100";

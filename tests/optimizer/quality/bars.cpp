@@ -293,6 +293,7 @@ std::vector<std::string> all_parts() {
   add(tasks_of_several_objectives(), noises_of_several(), {"glint:nsga2", "glint:nspso"});
   add(tasks_of_one_objective(), noises_of_one(), peers_of_one());
   add(mixed_tasks(), noises_of_several(), {kMixedPeer});
+  parts.emplace_back(kLongPart);
   return parts;
 }
 
@@ -323,6 +324,10 @@ std::vector<Bar> bars_of(const Results& results, const Results& development) {
   }
   std::ranges::copy(mixed_bars(results), std::back_inserter(bars));
   bars.push_back(time_bar(results));
+  std::string why;
+  const auto peak = mean_of_part(results, kLongPart, 1, &Result::peak_mb, why);
+  bars.push_back(
+      {.what = "memory over 10,000 evaluations, MB" + why, .value = peak, .bound = 100.0});
   return bars;
 }
 

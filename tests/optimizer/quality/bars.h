@@ -24,6 +24,9 @@ std::vector<std::string> noises_of_several();
 std::vector<std::string> peers_of_one();
 bool is_of_several(const std::string& task);
 
+/// Searched once, for its memory.
+inline constexpr const char* kLongPart = "rosen6/0.05/long:auto";
+
 /// All that the bars need, and more peers.
 std::vector<std::string> all_parts();
 

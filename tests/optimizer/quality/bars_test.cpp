@@ -123,6 +123,15 @@ TEST(Bars, JudgeTheOwnTimeOfTheSlowestTask) {
   EXPECT_FALSE(bar_of(results, "own time").value);
 }
 
+TEST(Bars, JudgeTheMemoryOfALongSearch) {
+  Results results;
+  EXPECT_FALSE(bar_of(results, "memory").value);
+  results[kLongPart][1].peak_mb = 99.0;
+  EXPECT_TRUE(is_met(bar_of(results, "memory")));
+  results[kLongPart][1].peak_mb = 101.0;
+  EXPECT_FALSE(is_met(bar_of(results, "memory")));
+}
+
 // Which peer is the best is not chosen by the seeds that judge.
 TEST(Bars, CompareWithThePeerThatIsBestOnTheDevelopmentSeeds) {
   const std::string what = "gap over best peer's, noise 0.2, after 100";

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/optimizer/quality/judge.h"
 
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <ctime>
 #include <map>
@@ -21,6 +25,7 @@ using Vector = std::vector<double>;
 constexpr std::size_t kEarlyCheck = 50;
 constexpr std::size_t kFirstCheck = 100;
 constexpr std::size_t kSecondCheck = 300;
+constexpr std::size_t kLongSearch = 10000;
 
 double cpu_ms() {
   return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
@@ -69,6 +74,20 @@ Result glint_search(const std::string& name,
   }
   result.own_ms = (cpu_ms() - start) / static_cast<double>(judge.count());
   return result;
+}
+
+/// For its memory alone.
+Result long_search(
+    const std::string& name, Judge& judge, const Task& task, int instance, bool is_noisy) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    glint_search(name, judge, task, instance, is_noisy, kLongSearch);
+    ::_exit(0);
+  }
+  int status = 0;
+  rusage usage = {};
+  GLINT_CHECK(::wait4(child, &status, 0, &usage) == child && status == 0, "a search that ends");
+  return {.peak_mb = static_cast<double>(usage.ru_maxrss) / 1024.0};
 }
 
 struct Budgeted {
@@ -170,6 +189,9 @@ Result run_method(
   const std::string name = method.substr(colon + 1);
   if (method.substr(0, colon) == "glint") {
     return glint_search(name, judge, task, instance, noise > 0.0, limit);
+  }
+  if (method.substr(0, colon) == "long") {
+    return long_search(name, judge, task, instance, noise > 0.0);
   }
   if (method.substr(0, colon) == "optuna") {
     optuna_search(name, judge, task, instance, limit);

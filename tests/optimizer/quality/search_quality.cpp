@@ -52,7 +52,7 @@ Results read_results(const std::string& path) {
     int seed = 0;
     Result result;
     if (fields >> part >> seed >> result.after_50 >> result.after_100 >> result.after_300 >>
-            result.own_ms >> end &&
+            result.own_ms >> result.peak_mb >> end &&
         end == ".") {
       results[part][seed] = result;
     }
@@ -66,7 +66,7 @@ void run_part(const std::string& part, const Options& options, const Row& known)
   GLINT_CHECK(second != std::string::npos, "a part is TASK/NOISE/METHOD");
   const std::string name = part.substr(0, first);
   const double noise = std::stod(part.substr(first + 1, second - first - 1));
-  const int needed = is_of_several(name) ? kSeedsOfSeveral : kSeedsOfOne;
+  const int needed = part == kLongPart ? 1 : is_of_several(name) ? kSeedsOfSeveral : kSeedsOfOne;
   const int num_seeds = options.num_seeds > 0 ? options.num_seeds : needed;
   std::ofstream file(options.results, std::ios::app);
   for (int i = 0; i < num_seeds; ++i) {
@@ -77,13 +77,14 @@ void run_part(const std::string& part, const Options& options, const Row& known)
     const Task task = make_task(name, seed);
     const Result result =
         run_method(part.substr(second + 1), task, noise, seed, options.evaluations);
-    file << fmt::format("{} {} {:.4f} {:.4f} {:.4f} {:.4f} .\n",
+    file << fmt::format("{} {} {:.4f} {:.4f} {:.4f} {:.4f} {:.1f} .\n",
                         part,
                         seed,
                         result.after_50,
                         result.after_100,
                         result.after_300,
-                        result.own_ms)
+                        result.own_ms,
+                        result.peak_mb)
          << std::flush;
   }
 }

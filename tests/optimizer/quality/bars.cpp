@@ -17,6 +17,7 @@ namespace {
 using Score = double Result::*;
 
 constexpr const char* kMixedPeer = "optuna:tpe";
+constexpr const char* kDerivativeMethod = "derivatives:gp";
 
 /// Mean over seeds; empty, and why is added, where there are too few of them.
 std::optional<double> mean_of_part(
@@ -177,17 +178,17 @@ std::vector<Bar> ratio_bars(const Results& results,
 }
 
 /// Own time of the slowest of all tasks with noise.
-Bar time_bar(const Results& results) {
-  Bar bar{.what = "own time over 300 evaluations on the slowest task, ms an evaluation",
-          .bound = 10.0};
+Bar time_bar(const Results& results, const std::string& method, double bound) {
+  Bar bar{.what = fmt::format("own time of {} on the slowest task, ms an evaluation", method),
+          .bound = bound};
   std::string why;
   double longest = 0.0;
   for (const std::string& part : all_parts()) {
-    if (!part.ends_with("/glint:auto") || part.find("/0/") != std::string::npos) {
+    if (!part.ends_with("/" + method) || part.find("/0/") != std::string::npos) {
       continue;
     }
-    const int needed =
-        is_of_several(part.substr(0, part.find('/'))) ? kSeedsOfSeveral : kSeedsOfOne;
+    const bool is_several = is_of_several(part.substr(0, part.find('/')));
+    const int needed = is_several ? kSeedsOfSeveral : kSeedsOfOne;
     const auto mean = mean_of_part(results, part, needed, &Result::own_ms, why);
     if (!mean) {
       bar.what += why;
@@ -293,6 +294,9 @@ std::vector<std::string> all_parts() {
   add(tasks_of_several_objectives(), noises_of_several(), {"glint:nsga2", "glint:nspso"});
   add(tasks_of_one_objective(), noises_of_one(), peers_of_one());
   add(mixed_tasks(), noises_of_several(), {kMixedPeer});
+  for (const std::string_view task : tasks_of_one_objective()) {
+    parts.push_back(fmt::format("{}/0.05/{}", task, kDerivativeMethod));
+  }
   parts.emplace_back(kLongPart);
   return parts;
 }
@@ -323,7 +327,8 @@ std::vector<Bar> bars_of(const Results& results, const Results& development) {
     bars.push_back(random_bar(results, noise));
   }
   std::ranges::copy(mixed_bars(results), std::back_inserter(bars));
-  bars.push_back(time_bar(results));
+  bars.push_back(time_bar(results, "glint:auto", 10.0));
+  bars.push_back(time_bar(results, kDerivativeMethod, 50.0));
   std::string why;
   const auto peak = mean_of_part(results, kLongPart, 1, &Result::peak_mb, why);
   bars.push_back(

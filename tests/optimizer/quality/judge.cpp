@@ -31,19 +31,36 @@ double cpu_ms() {
   return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
+/// Of the first objective, without noise, by central differences; at the edge of the box as well.
+Vector gradient_of(const Task& task, const Vector& x) {
+  constexpr double kStep = 1e-5;
+  Vector gradient;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    Vector above = x;
+    Vector below = x;
+    above[i] += kStep;
+    below[i] -= kStep;
+    gradient.push_back((task.truth(above)[0] - task.truth(below)[0]) / (2.0 * kStep));
+  }
+  return gradient;
+}
+
 Result glint_search(const std::string& name,
                     Judge& judge,
                     const Task& task,
                     int instance,
                     bool is_noisy,
-                    std::size_t evaluations) {
-  const auto algorithm = make_algorithm(
-      task.space,
-      {.algorithm = name, .seed = static_cast<std::uint64_t>(instance), .is_noisy = is_noisy},
-      {},
-      0,
-      task.num_objectives,
-      task.reference);
+                    std::size_t evaluations,
+                    bool has_derivatives = false) {
+  const auto algorithm = make_algorithm(task.space,
+                                        {.algorithm = name,
+                                         .seed = static_cast<std::uint64_t>(instance),
+                                         .is_noisy = is_noisy,
+                                         .derivatives = has_derivatives},
+                                        {},
+                                        0,
+                                        task.num_objectives,
+                                        task.reference);
   const double start = cpu_ms();
   Result result;
   while (judge.count() < evaluations) {
@@ -52,7 +69,10 @@ Result glint_search(const std::string& name,
       break;
     }
     const Vector seen = judge.evaluate(*point);
-    algorithm->tell(*point, {.merit = seen[0], .objective = {seen[0], {}}, .objectives = seen});
+    algorithm->tell(*point,
+                    {.merit = seen[0],
+                     .objective = {seen[0], has_derivatives ? gradient_of(task, *point) : Vector{}},
+                     .objectives = seen});
     const auto expected = [&] {
       std::vector<Vector> means;
       if (is_noisy && task.num_objectives == 1) {
@@ -189,6 +209,9 @@ Result run_method(
   const std::string name = method.substr(colon + 1);
   if (method.substr(0, colon) == "glint") {
     return glint_search(name, judge, task, instance, noise > 0.0, limit);
+  }
+  if (method.substr(0, colon) == "derivatives") {
+    return glint_search(name, judge, task, instance, noise > 0.0, limit, true);
   }
   if (method.substr(0, colon) == "long") {
     return long_search(name, judge, task, instance, noise > 0.0);

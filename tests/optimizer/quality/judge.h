@@ -51,7 +51,8 @@ struct Result {
 
 /// "glint:NAME" (NAME of algorithm_names()) or "nlopt:NAME" (cobyla, bobyqa, direct_l,
 /// direct_l_rand; started again and again from random points), or "optuna:NAME" (tpe, cmaes).
-/// "long:NAME" is the method of Glint over 10,000 evaluations in a process of its own.
+/// "derivatives:gp" is told derivatives; "long:NAME" is the method of Glint over 10,000 evaluations
+/// in a process of its own.
 /// @throws PeerMissing where Optuna is not installed
 Result run_method(
     const std::string& method, const Task& task, double noise, int instance, int evaluations);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -11,6 +12,7 @@
 #include "core/image/image_io.h"
 #include "metrics/appearance/grey_match.h"
 #include "metrics/overlap/region_overlap.h"
+#include "metrics/shape/equivalent_ellipse.h"
 #include "metrics/shape/silhouette.h"
 
 namespace glint {
@@ -116,13 +118,41 @@ InsideMatch inside_match(const SmallPart& first, const SmallPart& second) {
                                    : 0.0};
 }
 
+/// By whole pixels, over the edge what is next to it.
+ImageF moved(const ImageF& picture, int x_px, int y_px) {
+  ImageF result(picture.width(), picture.height());
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      result(x, y) = picture(std::clamp(x - x_px, 0, picture.width() - 1),
+                             std::clamp(y - y_px, 0, picture.height() - 1));
+    }
+  }
+  return result;
+}
+
+/// The second picture with its part over that of the first: a symmetric part that lies elsewhere is
+/// not mirrored. As it is where one has no part.
+ImageF laid_over(const ImageF& first, const ImageF& second) {
+  const auto middle = [](const ImageF& picture) {
+    const Silhouette part = find_silhouette(picture, PartPieces::kAll);
+    return part.mask ? moments_of(*part.mask) : std::nullopt;
+  };
+  const auto there = middle(first);
+  const auto here = middle(second);
+  return there && here ? moved(second,
+                               static_cast<int>(std::lround(there->x_px - here->x_px)),
+                               static_cast<int>(std::lround(there->y_px - here->y_px)))
+                       : second;
+}
+
 bool fits_shape(const Turn& turn, const ImageF& picture) {
   return !turn.swaps || picture.width() == picture.height();
 }
 
 /// By all of both pictures: outlines that are not symmetric decide.
 std::optional<BetterTurn> better_as_a_whole(const ImageF& first, const ImageF& second) {
-  const double as_is = correlation_of(first, second);
+  const double as_is =
+      std::max(correlation_of(first, second), correlation_of(first, laid_over(first, second)));
   std::optional<BetterTurn> best;
   for (const Turn& turn : kTurns) {
     if (!fits_shape(turn, second)) {
@@ -137,29 +167,36 @@ std::optional<BetterTurn> better_as_a_whole(const ImageF& first, const ImageF& s
   return best;
 }
 
+std::optional<SmallPart> part_of(const ImageF& picture) {
+  Silhouette found = find_silhouette(picture, PartPieces::kAll);
+  return found.mask ? std::optional<SmallPart>({.grey = picture, .mask = *std::move(found.mask)})
+                    : std::nullopt;
+}
+
 /// By what is on the part, where turns leave its outline as it is.
 std::optional<BetterTurn> better_inside(const ImageF& first, const ImageF& second) {
-  Silhouette simulated = find_silhouette(first, PartPieces::kAll);
-  Silhouette real = find_silhouette(second, PartPieces::kAll);
-  if (!simulated.mask || !real.mask) {
+  const auto part = part_of(first);
+  const auto other = part_of(second);
+  if (!part || !other) {
     return std::nullopt;
   }
-  const SmallPart part = {.grey = first, .mask = *std::move(simulated.mask)};
-  const SmallPart other = {.grey = second, .mask = *std::move(real.mask)};
-  const InsideMatch as_is = inside_match(part, other);
+  const InsideMatch as_is = inside_match(*part, *other);
+  const auto over = part_of(laid_over(first, second));
+  const double correlation_as_is =
+      std::max(as_is.correlation, over ? inside_match(*part, *over).correlation : 0.0);
   std::optional<BetterTurn> best;
   for (const Turn& turn : kTurns) {
     if (!fits_shape(turn, second)) {
       continue;
     }
     const InsideMatch match =
-        inside_match(part, {.grey = turned(other.grey, turn), .mask = turned(other.mask, turn)});
+        inside_match(*part, {.grey = turned(other->grey, turn), .mask = turned(other->mask, turn)});
     const double to_beat =
-        best ? best->correlation : std::max(as_is.correlation + kInsideBetter, kFits);
+        best ? best->correlation : std::max(correlation_as_is + kInsideBetter, kFits);
     if (match.overlap >= as_is.overlap - kSameOutline && match.correlation > to_beat) {
       best = {.name = turn.name,
               .correlation = match.correlation,
-              .correlation_as_is = as_is.correlation,
+              .correlation_as_is = correlation_as_is,
               .is_inside = true};
     }
   }

@@ -171,14 +171,19 @@ ToldCause told(const FoundCause& found) {
   return cause;
 }
 
+/// Over pixels whose mean in both exposures is so far below full scale that noise clips neither:
+/// where each picture chose, those brighter by their noise would be missing.
 GreySums grey_sums(const ComparedPair& pair) {
-  const auto is_inside = [](double grey) { return grey > 0.0 && grey < 1.0; };
+  constexpr double kClearOfNoise = 2.0;  // four deviations of one picture, noise alike in both
+  const ExposureMatch& match = pair.appearance.exposure;
+  const double limit = std::min(1.0, match.gain + match.offset) - kClearOfNoise * match.rms;
   GreySums sums;
   for (std::size_t i = 0; i < pair.simulated.grey.size(); ++i) {
     const auto simulated = static_cast<double>(pair.simulated.grey.values()[i]);
     const auto real = static_cast<double>(pair.real.grey.values()[i]);
-    if ((pair.region.empty() || pair.region.values()[i] != 0) && is_inside(simulated) &&
-        is_inside(real)) {
+    const double mean = 0.5 * (match.gain * simulated + match.offset + real);
+    if ((pair.region.empty() || pair.region.values()[i] != 0) && std::min(simulated, real) > 0.0 &&
+        std::max(simulated, real) < 1.0 && mean < limit) {
       sums.add(simulated, real);
     }
   }
@@ -187,27 +192,28 @@ GreySums grey_sums(const ComparedPair& pair) {
 
 /// The gain between both exposures, where it is beyond what noise makes of it. Noise of the
 /// simulated picture, and edges that are elsewhere, make the regression of the real one on it too
-/// flat; that of the simulated on the real one is too steep. Between both is what is not known.
+/// flat; that of the simulated on the real one is too steep. It is taken halfway, where noise is
+/// alike in both; between both is what is not known.
 std::optional<ToldCause> gain_cause(const ComparedPair& pair) {
-  const ExposureMatch& match = pair.appearance.exposure;
   const GreySums all = grey_sums(pair);
   if (pair.appearance.correlation < kMinCorrelation || all.pixels < 1.0) {
     return std::nullopt;
   }
-  const GreySums sums = match.offset != 0.0 ? all.centred() : all;
+  const GreySums sums = pair.appearance.exposure.offset != 0.0 ? all.centred() : all;
   if (!(sums.products > 0.0) || !(sums.simulated_squares > 0.0) || !(sums.differences > 0.0)) {
     return std::nullopt;
   }
-  const double steep =
-      match.gain * sums.simulated_squares * sums.real_squares / (sums.products * sums.products);
-  const double sigma = std::hypot(match.rms / std::sqrt(sums.simulated_squares),
-                                  (steep - match.gain) / std::sqrt(12.0));
-  if (!(std::abs(match.gain - 1.0) >= std::max(kMinGain, kSurelySigmas * sigma))) {
+  const double flat = sums.products / sums.simulated_squares;
+  const double steep = sums.real_squares / sums.products;
+  const double gain = std::sqrt(flat * steep);
+  const double rest = std::max(0.0, 2.0 * (sums.real_squares - gain * sums.products));
+  const double sigma = std::hypot(std::sqrt(rest / (sums.pixels * sums.simulated_squares)),
+                                  (steep - flat) / std::sqrt(12.0));
+  if (!(std::abs(gain - 1.0) >= std::max(kMinGain, kSurelySigmas * sigma))) {
     return std::nullopt;
   }
-  const double rest = match.rms * match.rms * sums.pixels;
   return ToldCause{.name = "gain",
-                   .value = match.gain,
+                   .value = gain,
                    .unit = "",
                    .sigma = sigma,
                    .share = std::clamp(1.0 - rest / sums.differences, 0.0, 1.0),

@@ -2,6 +2,7 @@
 #include "studies/compare/earlier_pairs.h"
 
 #include <array>
+#include <charconv>
 #include <string_view>
 #include <system_error>
 
@@ -19,10 +20,14 @@ constexpr const char* kRefined = "refined.toml";
 constexpr auto kPairFiles =
     std::to_array<const char*>({"overlay.png", "simulated.png", "difference.exr", kRefined});
 
+/// A name that pair_folder() gives: not "pair_001", which a person may have called a copy.
 bool is_pair_folder(const std::string& name) {
   constexpr std::string_view kBegin = "pair_";
-  return name.starts_with(kBegin) && name.size() >= kBegin.size() + 2 &&
-         name.find_first_not_of("0123456789", kBegin.size()) == std::string::npos;
+  std::size_t number = 0;
+  const char* end = name.data() + name.size();
+  return name.starts_with(kBegin) &&
+         std::from_chars(name.data() + kBegin.size(), end, number).ptr == end && number > 0 &&
+         pair_folder(number - 1) == name;
 }
 
 }  // namespace
@@ -38,8 +43,9 @@ std::vector<std::string> earlier_pairs(const fs::path& out) {
   }
   std::error_code ignored;
   for (const fs::path& entry : sorted_entries(out)) {
-    if (is_pair_folder(entry.filename().string()) && fs::is_directory(entry, ignored)) {
-      names.push_back(entry.filename().string());
+    const std::string name = entry.filename().string();
+    if (is_pair_folder(name) && fs::is_directory(fs::symlink_status(entry, ignored))) {
+      names.push_back(name);
     }
   }
   return names;

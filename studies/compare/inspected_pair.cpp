@@ -5,7 +5,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <Eigen/Core>
 
 #include "studies/inspect/defect_contrast.h"
 #include "studies/inspect/inspect_rules.h"
@@ -47,26 +46,9 @@ InspectedSide side_of(const ComparedPicture& picture,
   return side;
 }
 
-/// The middle of a silhouette; nothing where there is none.
-std::optional<Eigen::Vector2d> middle_of(const ImageF& coverage) {
-  double sum = 0.0;
-  Eigen::Vector2d moment = Eigen::Vector2d::Zero();
-  for (int y = 0; y < coverage.height(); ++y) {
-    for (int x = 0; x < coverage.width(); ++x) {
-      const auto weight = static_cast<double>(coverage(x, y));
-      sum += weight;
-      moment += weight * Eigen::Vector2d(x, y);
-    }
-  }
-  return sum > 0.0 ? std::optional<Eigen::Vector2d>(moment / sum) : std::nullopt;
-}
-
 /// How far the part lies from where the simulated picture has it.
 double aside_px(const PairGeometry& geometry) {
-  const auto simulated = middle_of(geometry.outlines.simulated.coverage);
-  const auto real = middle_of(geometry.outlines.real.coverage);
-  const double shift_px = simulated && real ? (*real - *simulated).norm() : 0.0;
-  return std::max(shift_px, geometry.distance.mean_px);
+  return std::max(middle_shift_px(geometry.outlines).norm(), geometry.distance.mean_px);
 }
 
 /// Mask and places are those of the simulated picture: they must be the photograph's too.

@@ -14,6 +14,7 @@
 #include "metrics/overlap/inner_edges.h"
 #include "metrics/overlap/outline.h"
 #include "metrics/overlap/region_overlap.h"
+#include "metrics/shape/equivalent_ellipse.h"
 #include "metrics/shape/silhouette.h"
 #include "studies/compare/grab_cut.h"
 #include "studies/compare/guided_outline.h"
@@ -180,17 +181,6 @@ void take(compare_detail::GuidedOutline guided,
   }
 }
 
-/// Middle of a region.
-Eigen::Vector2d middle_of(const ImageF& coverage) {
-  Eigen::Vector3d sum(0.0, 0.0, 1e-9);
-  for (int y = 0; y < coverage.height(); ++y) {
-    for (int x = 0; x < coverage.width(); ++x) {
-      sum += static_cast<double>(coverage(x, y)) * Eigen::Vector3d(x + 0.5, y + 0.5, 1.0);
-    }
-  }
-  return sum.head<2>() / sum.z();
-}
-
 /// Edges of a part that is darker than what is around it have the other sign.
 ImageF negative_of(ImageF picture) {
   for (float& grey : picture.values()) {
@@ -206,8 +196,7 @@ std::optional<compare_detail::GuidedOutlines> guided(const ComparedPicture& simu
                                                      const Mask& truth,
                                                      OutlinePair& found) {
   const double reach_px = kMaxApartShare * real.width();
-  const Eigen::Vector2d shift_px =
-      middle_of(found.real.coverage) - middle_of(found.simulated.coverage);
+  const Eigen::Vector2d shift_px = middle_shift_px(found);
   const auto along = [&](const ImageF& picture) {
     return compare_detail::guided_outlines(
         simulated.grey, picture, truth, found.real.located, reach_px, shift_px);
@@ -336,6 +325,14 @@ OutlineChoice outline_choice(const std::string& name) {
   }
   throw ConfigError(
       fmt::format("--outline: is {}, must be auto, threshold, grab_cut or inner", name));
+}
+
+Eigen::Vector2d middle_shift_px(const OutlinePair& outlines) {
+  const auto simulated = moments_of(outlines.simulated.coverage);
+  const auto real = moments_of(outlines.real.coverage);
+  return simulated && real
+             ? Eigen::Vector2d(real->x_px - simulated->x_px, real->y_px - simulated->y_px)
+             : Eigen::Vector2d(0.0, 0.0);
 }
 
 OutlinePair find_outlines(const ComparedPicture& simulated,

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "core/image/image.h"
 #include "metrics/overlap/boundary.h"
 #include "metrics/overlap/outline_motion.h"
@@ -44,6 +46,9 @@ struct OutlinePair {
   double shown = 0.0;
   std::vector<std::string> notes;
 };
+
+/// From the middle of the simulated region to that of the real one; 0 where there are not both.
+Eigen::Vector2d middle_shift_px(const OutlinePair& outlines);
 
 /// What the user allows.
 enum class OutlineChoice { kAuto, kThreshold, kGrabCut, kInner };

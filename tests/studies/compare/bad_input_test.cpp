@@ -98,6 +98,21 @@ TEST_F(BadInput, ASquarePictureThatIsTurnedOrMirroredAboutADiagonalIsTold) {
             "mirrored about the other diagonal");
 }
 
+// Mirrored it lies where it lies in the photograph, but a shift says the same with less.
+TEST_F(BadInput, ASymmetricPartOnTheOtherSideOfTheMiddleIsNotMirrored) {
+  const auto disc = [](double x_px, std::uint64_t index) {
+    ImageF picture = drawn(200, 160, [=](double x, double y) {
+      const double excess = std::hypot(x - x_px, y - 80.0) - 40.0;
+      return 0.01 + 0.5 * std::erfc(excess / std::sqrt(2.0)) * (0.5 - 0.001 * std::abs(y - 80.0));
+    });
+    add_normal_noise(picture, 0.004, index);
+    return picture;
+  };
+  const ComparedPair pair =
+      compare(write("left.png", disc(82.0, 1)), write("right.png", disc(118.0, 2)));
+  EXPECT_FALSE(pair.better_turn.has_value()) << pair.better_turn->name;
+}
+
 /// A disc with marks to its right, whose outline no mirror changes; light falls off by `slope`.
 ImageF marked_disc(double slope, std::uint64_t index, double mark = 0.25) {
   ImageF picture = drawn(200, 160, [=](double x, double y) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/calibration/bundle_diagnostics.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -139,6 +141,25 @@ SharedCovariance shared_covariance(const Bundle& bundle) {
     }
   }
   return covariance;
+}
+
+SharedCovariance covariance_with_unseen(Bundle bundle) {
+  constexpr double kUnseen = 5e-4;
+  constexpr std::array<std::size_t, 2> kTangential = {7, 8};
+  const bool is_lens_known = bundle.lens_prior.has_value() ||
+                             std::ranges::none_of(bundle.is_free, [](bool free) { return free; });
+  if (is_lens_known) {
+    return shared_covariance(bundle);
+  }
+  LensPrior prior{.sigma = LensVector::Constant(std::numeric_limits<double>::infinity())};
+  for (const std::size_t term : kTangential) {
+    if (!bundle.is_free[term]) {
+      bundle.is_free[term] = true;
+      prior.sigma[static_cast<Index>(term)] = kUnseen;
+      bundle.lens_prior = prior;
+    }
+  }
+  return shared_covariance(bundle);
 }
 
 PointError point_error(const Bundle& bundle,

@@ -226,7 +226,9 @@ bool solve(HandEyeWork& work) {
 void take_size(const HandEyeWork& work, HandEyeCalibration& result) {
   BoardScale scale = board_scale(result.bundle);
   if (work.is_size_free) {
-    result.covariance += scale.coupling * scale.coupling.transpose();
+    const SharedCovariance by_size = scale.coupling * scale.coupling.transpose();
+    result.covariance += by_size;
+    result.with_unseen += by_size;
     // What is left of the last step is too little to look at.
     scale.factor = work.size;
     scale.sigma *= work.size;
@@ -241,6 +243,7 @@ void take_result(HandEyeWork& work) {
   result.noise = result.bundle.noise;
   result.noise_log_sigma = work.estimated.log_sigma;
   result.covariance = shared_covariance(result.bundle);
+  result.with_unseen = covariance_with_unseen(result.bundle);
   take_size(work, result);
   double squares = 0.0;
   double corners = 0.0;

@@ -65,6 +65,7 @@ struct HandEyeCalibration {
   LensVector lens = LensVector::Zero();  ///< from all together
   HandEye poses;
   SharedCovariance covariance = SharedCovariance::Zero();
+  SharedCovariance with_unseen = SharedCovariance::Zero();    ///< covariance_with_unseen()
   NoiseSizes noise;                                           ///< estimated
   Eigen::Vector3d noise_log_sigma = Eigen::Vector3d::Zero();  ///< of their logarithms
   double rms_px = 0.0;  ///< over all corners of the accepted pictures
@@ -85,11 +86,13 @@ struct HandEyeCalibration {
 
   LensVector lens_sigma() const { return covariance.diagonal().head<9>().cwiseSqrt(); }
 
-  /// Roots of the sums of the three axes' variances.
-  double rotation_sigma_rad() const { return std::sqrt(covariance.diagonal().segment<3>(9).sum()); }
+  /// Roots of the sums of the three axes' variances, with what p1 and p2 leave open.
+  double rotation_sigma_rad() const {
+    return std::sqrt(with_unseen.diagonal().segment<3>(9).sum());
+  }
 
   double translation_sigma_mm() const {
-    return std::sqrt(covariance.diagonal().segment<3>(12).sum());
+    return std::sqrt(with_unseen.diagonal().segment<3>(12).sum());
   }
 };
 

@@ -72,6 +72,26 @@ TEST(HandEyeCalibration, IsAsGoodAsTheBoundAllows) {
   EXPECT_LT(median(shift), 1.15);
 }
 
+// Pictures too coarse to tell p1 and p2 take them for a turn of the camera.
+TEST(HandEyeCalibration, SaysWhatTangentialTermsLeaveOpenThatItCannotSee) {
+  std::vector<double> turns;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const SimulatedCell cell = simulate_cell(
+        {.num_poses = 17, .noise = {.corner_px = 1.6, .robot_rad = 2e-4, .robot_mm = 0.03}}, seed);
+    const HandEyeCalibration result = calibrate(cell, true);
+    ASSERT_TRUE(result.succeeded) << result.refusal;
+    if (result.lens[7] != 0.0 || result.lens[8] != 0.0) {
+      continue;
+    }
+    const auto miss = miss_of(cell, result.lens, result.poses);
+    for (const Eigen::Index axis : {9, 10}) {
+      turns.push_back(std::abs(miss[axis]) / std::sqrt(result.with_unseen(axis, axis)));
+    }
+  }
+  ASSERT_GE(turns.size(), 8U);
+  EXPECT_LT(median(turns), 2.0);
+}
+
 TEST(HandEyeCalibration, FindsTurnedBoardsAndWrongStampsAndSaysWhich) {
   const SimulatedCell cell = simulate_cell({.flipped_share = 0.1, .wrong_share = 0.1}, 11);
   const HandEyeCalibration result = calibrate(cell);

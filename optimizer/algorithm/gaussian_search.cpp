@@ -254,7 +254,7 @@ void GaussianSearch::refit() {
 void GaussianSearch::note_subset(std::size_t num_known, std::size_t num_told) {
   if (plan_.rules > 5 && num_known < num_told && !is_subset_) {
     add_event(EventKind::kNote,
-              0,
+              static_cast<int>(num_known),
               "from here on the models know a part of what is told: " + std::to_string(num_known) +
                   " of " + std::to_string(num_told) + " designs");
   }

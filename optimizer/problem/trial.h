@@ -68,7 +68,7 @@ enum class EventKind {
   kTell,       ///< this trial's merit was told; `value` is the merit
   kRestart,    ///< a run of the algorithm ended and another took its place
   kAbandon,    ///< run number `value` did not answer and was left behind
-  kNote,       ///< for people
+  kNote,       ///< for people; `value` > 0: so many designs the models know from here on
   kReference,  ///< of several objectives: the hypervolume's reference was fixed at `objectives`
   kRules,      ///< before the first ask: the run follows the rules `value` (SearchSettings::rules)
   kModel,      ///< the algorithm's models have the parameters `objectives` from the next ask on

@@ -183,15 +183,22 @@ std::vector<double> noise_of_lead(const Goal& goal, const Scores& scores, Search
 /// noise: by how much it changes, at most, where the design moves by noise_of_lead() in one
 /// objective; squares summed over the objectives.
 bool adds_more_than_noise(const Goal& goal, const Scores& scores, SearchMemory& memory) {
-  std::vector<std::vector<double>> rows;
+  const std::vector<double> noise = noise_of_lead(goal, scores, memory);
+  if (std::ranges::none_of(noise, [](double size) { return size > 0.0; })) {
+    return true;
+  }
+  std::vector<std::vector<double>> gained;
   for (const int number : memory.surely_gained) {
-    rows.push_back(minimised_objectives(goal, memory.trial(number).outcome->scores));
+    gained.push_back(minimised_objectives(goal, memory.trial(number).outcome->scores));
+  }
+  std::vector<std::vector<double>> rows;
+  for (const std::size_t row : front_of(gained)) {
+    rows.push_back(gained[row]);
   }
   const double before = hypervolume(rows, memory.reference);
   rows.push_back(minimised_objectives(goal, scores));
   const auto gain = [&] { return hypervolume(rows, memory.reference) - before; };
   const double seen = gain();
-  const std::vector<double> noise = noise_of_lead(goal, scores, memory);
   double squares = 0.0;
   for (std::size_t i = 0; i < noise.size(); ++i) {
     const double value = rows.back()[i];

@@ -59,7 +59,7 @@ class Search {
   void look_at(const Event& event) {
     if (event.kind == EventKind::kAbandon) {
       result_.warnings.push_back(event.text);
-    } else if (event.kind == EventKind::kNote && task_.settings.derivatives) {
+    } else if (event.kind == EventKind::kNote && event.value == 0.0 && task_.settings.derivatives) {
       on_derivatives_ = event.text;
     }
   }
@@ -369,9 +369,10 @@ class Search {
   void note_lucky_target(SearchResult& result) const {
     if (result.termination == Termination::kTarget && task_.settings.is_noisy &&
         !expects_target(result.expected, result.best->number)) {
-      result.warnings.emplace_back(
-          "budget.target was reached by an evaluation with noise; that the winner reaches it "
-          "without is not expected");
+      result.warnings.push_back(
+          std::string("budget.target was reached by an evaluation with noise; ") +
+          (result.expected.empty() ? "whether the winner reaches it without is not known"
+                                   : "that the winner reaches it without is not expected"));
     }
   }
 

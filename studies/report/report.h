@@ -74,6 +74,7 @@
 //   calibration       of `glint calibrate`: its calibration.json with what calibrate_page.cpp adds
 //   comparison        of `glint compare`: its result.json with what compare_page.cpp adds
 //   validation        of `glint validate`: its result.json with what validate_page.cpp adds
+//   race              that of a run's finalists, where there was one
 //   kinds             those of a run's result.json, see best_of_each_kind() of
 //                     studies/run/study_search.h
 //   methods           [ sentences on method and accuracy ]

@@ -48,13 +48,11 @@ std::string finalist_text(const std::vector<Wording>& wordings, const Json& kind
 }
 
 /// Whether the lead of one kind over another is larger than the noise of the two.
-bool is_sure_lead(const std::vector<Wording>& wordings, const Json& first, const Json& other) {
-  const Wording& wording = wordings.front();
+bool is_sure_lead(const Wording& wording, const Json& first, const Json& other) {
   const auto value = wording.value(first);
   const auto there = wording.value(other);
   const auto noise = wording.noise(first, other);
-  return wordings.size() == 1 && keeps_limits(other) && value && there && noise &&
-         std::abs(*value - *there) > *noise;
+  return keeps_limits(other) && value && there && noise && std::abs(*value - *there) > *noise;
 }
 
 const Json* with_member(const Json& list, const char* name, const std::string& text) {
@@ -78,16 +76,20 @@ std::vector<Finding> findings_on_kinds(const Json& data) {
     return {};
   }
   const std::vector<Wording> wordings = wordings_of(data);
-  return {
-      {"kind_ahead",
-       fmt::format("Scored again with fresh random numbers, {} ({}) comes before {}, the "
-                   "winner's kind of light ({}): {}.",
-                   text_of(kinds.front(), kKind),
-                   finalist_text(wordings, kinds.front()),
-                   chosen,
-                   finalist_text(wordings, *own),
-                   is_sure_lead(wordings, kinds.front(), *own) ? "the lead is larger than the noise"
-                                                               : "which kind is better is open")}};
+  const bool is_sure = is_sure_lead(wordings.front(), kinds.front(), *own);
+  // An order of compromises says little; a race knows more than one evaluation each.
+  if (wordings.size() > 1 || (data.contains("race") && !is_sure)) {
+    return {};
+  }
+  return {{"kind_ahead",
+           fmt::format(
+               "Scored again with fresh random numbers, {} ({}) comes before {}, the "
+               "winner's kind of light ({}): {}.",
+               text_of(kinds.front(), kKind),
+               finalist_text(wordings, kinds.front()),
+               chosen,
+               finalist_text(wordings, *own),
+               is_sure ? "the lead is larger than the noise" : "which kind is better is open")}};
 }
 
 Json kinds_panel(const Json& data) {

@@ -2,7 +2,8 @@
 //
 // What a report says of the finalists of each kind of light, `kinds` of a run's result.json.
 //
-//   kind_ahead  scored again, another kind than the winner's comes first
+//   kind_ahead  scored again, another kind than the winner's comes first; of one objective, and
+//               where finalists raced only with a lead larger than the noise
 #pragma once
 
 #include <vector>

@@ -250,6 +250,7 @@ void add_noise_to_page(const Json& result, Json& data) {
   data["panels"].push_back(noise_panel(data["objective"]["name"], race, told));
   if (!race.is_null()) {
     data["probability_best"] = result["probability_best"];
+    data["race"] = race;
   }
 }
 

@@ -27,6 +27,8 @@ using report_detail::Wording;
 /// As objective_noise().
 constexpr double kErrorsPerHalfWidth = 2.0;
 
+constexpr const char* kKinds = "lighting_use";  // the choice among kinds of light
+
 /// Who races, as the result names it.
 struct NamedEntrant {
   Entrant entrant;
@@ -51,7 +53,7 @@ std::string design_key(const std::string& name, const SceneSettings& scene) {
 /// By rules 6 each kind of light has a finalist, where the search chooses among kinds.
 std::optional<std::size_t> kinds_in_race(const Study& study, const SearchResult& search) {
   const std::vector<Variable>& variables = study.space.variables;
-  const auto found = std::ranges::find(variables, "lighting_use", &Variable::name);
+  const auto found = std::ranges::find(variables, kKinds, &Variable::name);
   return search.rules > 5 && found != variables.end()
              ? std::optional(static_cast<std::size_t>(found - variables.begin()))
              : std::nullopt;
@@ -251,7 +253,12 @@ bool has_race(const Study& study, const SearchResult& search) {
 
 int likely_replicates(const Study& study, int evaluations) {
   const int finalists = can_race(study) ? num_finalists(study, evaluations) : 0;
-  const auto others = static_cast<int>(study.prototypes.size());
+  auto others = static_cast<int>(study.prototypes.size());
+  for (const Variable& variable : study.space.variables) {
+    if (variable.name == kKinds) {  // at most one more of each kind but the best one's
+      others += static_cast<int>(variable.choices.size()) - 1;
+    }
+  }
   return finalists > 0 ? kAllReplicates + kFirstReplicates * (finalists + others) : 0;
 }
 

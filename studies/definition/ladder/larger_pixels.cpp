@@ -22,19 +22,19 @@ void enlarge(GradeLimits& limits, int factor) {
 
 /// The Gaussian keeps its sigma on the part, also where that follows from the kernel's width.
 void enlarge_filters(InspectionSettings& inspection, int factor) {
-  constexpr double kLeastTemplate_px = 1.0;
-  constexpr double kLeastStructure_px = 2.0;
-  constexpr double kLeastScale_px = 0.3;
+  constexpr double kMinTemplate_px = 1.0;
+  constexpr double kMinStructure_px = 2.0;
+  constexpr double kMinScale_px = 0.3;
   const int half = (inspection.kernel_px - 1) / 2;
   const double sigma_px =
       inspection.sigma_px > 0.0 ? inspection.sigma_px : 0.3 * (half - 1.0) + 0.8;
   inspection.sigma_px = sigma_px / factor;
   inspection.kernel_px = 2 * std::max(1, rounded_up(half, factor)) + 1;
   for (double& scale_px : inspection.scales_px) {
-    scale_px = std::max(kLeastScale_px, scale_px / factor);
+    scale_px = std::max(kMinScale_px, scale_px / factor);
   }
-  inspection.template_px = std::max(kLeastTemplate_px, inspection.template_px / factor);
-  inspection.structure_px = std::max(kLeastStructure_px, inspection.structure_px / factor);
+  inspection.template_px = std::max(kMinTemplate_px, inspection.template_px / factor);
+  inspection.structure_px = std::max(kMinStructure_px, inspection.structure_px / factor);
 }
 
 void enlarge(InspectionSettings& inspection, int factor) {

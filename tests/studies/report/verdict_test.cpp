@@ -210,6 +210,8 @@ TEST(VerdictCodes, SaysWhichKindOfLightIsAheadOfTheWinners) {
                         "kind of light (evaluation 4: smallest CNR 20.0): which kind is better is "
                         "open."));
   EXPECT_EQ(complete_report(data)["verdict"]["tone"], "neutral");
+  data["race"] = {{"finalists", 2}};
+  EXPECT_EQ(codes_of(data).count("kind_ahead"), 0U) << "the race knows more";
   for (Json& kind : data["kinds"]) {
     kind["rescored"]["defects.min_cnr.error"] = 0.5;
   }

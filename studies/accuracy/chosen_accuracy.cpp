@@ -13,54 +13,11 @@
 
 #include "core/file.h"
 #include "core/jobs.h"
-#include "optimizer/algorithm/sobol.h"
 #include "optimizer/search/search.h"
-#include "studies/definition/accuracy_table.h"
+#include "studies/accuracy/tried_designs.h"
 
 namespace glint {
 namespace {
-
-constexpr std::size_t kDesigns = 12;
-constexpr std::size_t kCandidates = 4 * kDesigns;
-constexpr std::size_t kMaxPrototypes = 8;
-constexpr std::uint64_t kSpreadSeed = 3000017;  ///< other points than any search's own design
-
-/// A design that the ladder may be tried on.
-struct TriedDesign {
-  std::string name;
-  Overrides overrides;
-  std::optional<Point> point;  ///< of the search space; prototypes have none
-};
-
-std::vector<TriedDesign> candidates_of(const Study& study) {
-  const Point start = baseline_point(study);
-  std::vector<TriedDesign> candidates = {{"baseline", overrides_of(study, start), start}};
-  for (std::size_t i = 0; i < std::min(kMaxPrototypes, study.prototypes.size()); ++i) {
-    candidates.push_back({study.prototypes[i].name, study.prototypes[i].overrides, {}});
-  }
-  const Sobol sequence(study.search.seed + kSpreadSeed,
-                       static_cast<int>(study.space.variables.size()));
-  for (std::uint32_t k = 0; candidates.size() < kCandidates; ++k) {
-    const Point point = point_from_unit(study.space, sequence.point(k));
-    candidates.push_back({fmt::format("spread {}", k + 1), overrides_of(study, point), point});
-  }
-  return candidates;
-}
-
-std::vector<RenderRung> ladder_of(const Study& study) {
-  std::vector<SceneSettings> designs = {study.scene};
-  for (const TriedDesign& candidate : candidates_of(study)) {
-    try {
-      designs.push_back(scene_with(study, candidate.overrides));
-    } catch (const ConfigError&) {  // it will be replaced by another one
-    }
-  }
-  std::vector<RenderRung> ladder = render_ladder(designs, kept_keys(study.root));
-  for (RenderRung& rung : ladder) {
-    rung.is_for_search = rung.is_for_search && (rung.has_derivatives || !wants_derivatives(study));
-  }
-  return ladder;
-}
 
 /// Whether the rungs differ for a design. Those of paths render a mirror alike, so that no
 /// difference tells how far it is off.
@@ -116,13 +73,13 @@ class RungEvaluator {
         ladder_(ladder),
         begun_(std::move(begun)),
         bar_(task.study.name + ": ways to render",
-             static_cast<std::int64_t>(ladder.size() * kDesigns),
+             static_cast<std::int64_t>(ladder.size() * kTriedDesigns),
              task.progress) {
     for (const Trial& trial : beyond) {
       candidates_.push_back(
           {trial_name(trial.number), overrides_of(task.study, trial.point), trial.point});
     }
-    std::ranges::copy(candidates_of(task.study), std::back_inserter(candidates_));
+    std::ranges::copy(tried_designs(task.study), std::back_inserter(candidates_));
   }
 
   const std::vector<TriedDesign>& candidates() const { return candidates_; }
@@ -209,7 +166,7 @@ LadderTask ladder_task(const Study& study,
                        std::size_t num_beyond,
                        std::size_t num_candidates) {
   LadderTask task = {.steps = {},
-                     .num_designs = kDesigns + num_beyond,
+                     .num_designs = kTriedDesigns + num_beyond,
                      .num_candidates = num_candidates,
                      .wish = *study.accuracy,
                      .goal = study.goal};
@@ -331,7 +288,7 @@ void check_accuracy_choice(const Study& study, bool takes_trials) {
         "--from: the study's [accuracy] chooses how its search is rendered, and trials of another "
         "run may have been rendered otherwise; begin without --from, or without [accuracy]");
   }
-  check_ladder(study, ladder_of(study));
+  check_ladder(study, search_ladder(study));
 }
 
 ChosenAccuracy choose_accuracy(const AccuracyTask& task) {
@@ -341,7 +298,7 @@ ChosenAccuracy choose_accuracy(const AccuracyTask& task) {
 
 ChosenAccuracy choose_accuracy(const AccuracyTask& task, AccuracyRecord& record) {
   ChosenAccuracy chosen;
-  chosen.ladder = ladder_of(task.study);
+  chosen.ladder = search_ladder(task.study);
   check_ladder(task.study, chosen.ladder);
   return tried(task, record, std::move(chosen), 0, record.begun_rung());
 }
@@ -404,7 +361,7 @@ std::optional<RenderRung> rung_of_run(const Study& study, const std::filesystem:
   const std::string name = accuracy != result.end() && accuracy->is_object()
                                ? accuracy->value("rung", std::string())
                                : std::string();
-  for (RenderRung& rung : ladder_of(study)) {
+  for (RenderRung& rung : search_ladder(study)) {
     if (rung.name == name) {
       rung.offsets = accuracy->value("offsets", std::map<std::string, double>());
       return rung;

@@ -62,6 +62,8 @@ struct Frontier {
   int height_px = 0;
   std::vector<std::string> unseen;       ///< defects that the camera does not see
   std::optional<DesignRanking> ranking;  ///< with variables and time for it
+  std::string choice_rule;               ///< of mark_choice(): what the automatic choice does
+  bool is_choice_by_order = false;       ///< the rule is the order of designs
 };
 
 struct FrontierOptions {

@@ -2,18 +2,39 @@
 #include "studies/frontier/frontier_choice.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
+
+#include "core/text.h"
+#include "studies/accuracy/tried_designs.h"
+#include "studies/definition/accuracy_table.h"
 
 namespace glint {
 namespace {
 
-constexpr int kMaxReduction = 2;  ///< that a ladder has
+/// Whether the rung renders the scene as the point does.
+bool is_rung_of(const RenderRung& rung, const FrontierPoint& point) {
+  const ComparedMethod& method = point.method;
+  if (!rung.is_for_search || rung.pixel_factor != point.reduction ||
+      rung.is_noisy != method.follows_paths) {
+    return false;
+  }
+  return rung.is_noisy ? rung.paths.samples == method.paths.samples &&
+                             rung.paths.max_reflections == method.paths.max_reflections
+                       : rung.render.method == method.render.method &&
+                             rung.render.rays_per_axis == method.render.rays_per_axis;
+}
 
-/// What a ladder of the scene may hold.
-bool is_rung(const FrontierPoint& point, const Frontier& frontier) {
-  return point.problem.empty() && point.realisation.empty() && point.reduction <= kMaxReduction &&
-         point.tessellation == frontier.points.front().tessellation;
+/// The rung that was measured by the point; nullptr: it is none.
+const RenderRung* rung_at(std::span<const RenderRung> ladder,
+                          const FrontierPoint& point,
+                          const Frontier& frontier) {
+  const bool is_own_part =
+      point.realisation.empty() && point.tessellation == frontier.points.front().tessellation;
+  const auto found =
+      std::ranges::find_if(ladder, [&](const RenderRung& rung) { return is_rung_of(rung, point); });
+  return is_own_part && point.problem.empty() && found != ladder.end() ? &*found : nullptr;
 }
 
 bool is_close(const FrontierPoint& point) {
@@ -21,34 +42,93 @@ bool is_close(const FrontierPoint& point) {
          point.contrast_error_percent().value_or(0.0) <= kChoiceContrast;
 }
 
-bool ranks_rightly(const FrontierPoint& point, const DesignRanking& ranking) {
+const MethodRanking* row_of(const FrontierPoint& point, const DesignRanking& ranking) {
   const auto row = std::ranges::find(ranking.methods, point.label, &MethodRanking::label);
-  return row != ranking.methods.end() && row->is_right;
+  return row != ranking.methods.end() ? &*row : nullptr;
+}
+
+/// A score that was not measured is not known to be right.
+bool keeps(const ScoreWish& wish, const FrontierPoint& point, const FrontierReference& reference) {
+  const auto score = point.scores.find(wish.score);
+  const auto right = reference.scores.find(wish.score);
+  if (score == point.scores.end() || right == reference.scores.end()) {
+    return false;
+  }
+  const double scale = wish.is_relative ? std::abs(right->second.value) : 1.0;
+  return score->second.error <= wish.tolerance * scale;
+}
+
+bool serves(const FrontierPoint& point,
+            const std::vector<ScoreWish>& wishes,
+            const Frontier& frontier) {
+  if (!wishes.empty()) {
+    return std::ranges::all_of(
+        wishes, [&](const ScoreWish& wish) { return keeps(wish, point, frontier.reference); });
+  }
+  if (frontier.ranking) {
+    const MethodRanking* row = row_of(point, *frontier.ranking);
+    return row != nullptr && row->is_right;
+  }
+  return is_close(point);
+}
+
+std::string rule_text(const std::vector<ScoreWish>& wishes,
+                      const std::optional<DesignRanking>& ranking) {
+  if (!wishes.empty()) {
+    std::vector<std::string> texts(wishes.size());
+    std::ranges::transform(wishes, texts.begin(), wish_text);
+    return "is within " + join(texts, ", ");
+  }
+  return ranking ? fmt::format("puts {} designs into the order that {} gives",
+                               ranking->designs,
+                               ranking->reference)
+                 : fmt::format("is within {:g} point of h and {:g} % of every defect's contrast",
+                               kChoicePoints,
+                               kChoiceContrast);
 }
 
 /// How much its order says: few pairs that differ by more than noise are little evidence.
 std::string pairs_text(const FrontierPoint& choice, const Frontier& frontier) {
-  if (!frontier.ranking) {
-    return "";
-  }
-  const auto row =
-      std::ranges::find(frontier.ranking->methods, choice.label, &MethodRanking::label);
-  return fmt::format(", judged by {} pairs that differ by more than noise", row->agreement.pairs);
+  const MethodRanking* row =
+      frontier.is_choice_by_order ? row_of(choice, *frontier.ranking) : nullptr;
+  return row == nullptr ? ""
+                        : fmt::format(", judged by {} pairs that differ by more than noise",
+                                      row->agreement.pairs);
 }
 
 }  // namespace
 
-void mark_choice(Frontier& frontier) {
+std::vector<RenderRung> choice_ladder(const Study& study) {
+  return study.has_search() && study.has_objective
+             ? search_ladder(study)
+             : render_ladder(study.scene, kept_keys(study.root));
+}
+
+Goal choice_goal(const Study& study) {
+  Goal goal = study.goal;
+  for (const ScoreWish& wish : study.accuracy ? study.accuracy->wishes : std::vector<ScoreWish>()) {
+    goal.constraints.push_back({.name = wish.score});
+  }
+  return goal;
+}
+
+void mark_choice(std::span<const RenderRung> ladder,
+                 const std::optional<AccuracySettings>& accuracy,
+                 Frontier& frontier) {
   if (!frontier.reference.method.follows_paths) {
     return;
   }
+  const std::vector<ScoreWish> wishes = accuracy ? accuracy->wishes : std::vector<ScoreWish>();
+  frontier.choice_rule = rule_text(wishes, frontier.ranking);
+  frontier.is_choice_by_order = wishes.empty() && frontier.ranking.has_value();
   FrontierPoint* choice = nullptr;
+  double least_work = 0.0;
   for (FrontierPoint& point : frontier.points) {
-    const bool serves =
-        is_rung(point, frontier) &&
-        (frontier.ranking ? ranks_rightly(point, *frontier.ranking) : is_close(point));
-    if (serves && (choice == nullptr || point.cpu_s < choice->cpu_s)) {
+    const RenderRung* rung = rung_at(ladder, point, frontier);
+    if (rung != nullptr && serves(point, wishes, frontier) &&
+        (choice == nullptr || rung->work < least_work)) {
       choice = &point;
+      least_work = rung->work;
     }
   }
   if (choice != nullptr) {
@@ -56,22 +136,25 @@ void mark_choice(Frontier& frontier) {
   }
 }
 
+void mark_choice(const Study& study, Frontier& frontier) {
+  if (frontier.reference.method.follows_paths) {
+    mark_choice(choice_ladder(study), study.accuracy, frontier);
+  }
+}
+
 std::string choice_sentence(const Frontier& frontier) {
   const auto choice = std::ranges::find_if(frontier.points, &FrontierPoint::is_chosen);
-  const std::string rule =
-      frontier.ranking
-          ? fmt::format("puts {} designs into the order that {} gives",
-                        frontier.ranking->designs,
-                        frontier.ranking->reference)
-          : fmt::format("is within {:g} point of h and {:g} % of every defect's contrast",
-                        kChoicePoints,
-                        kChoiceContrast);
   return choice == frontier.points.end()
-             ? fmt::format("No rung that was measured {}: there is no automatic choice.", rule)
-             : fmt::format("The automatic choice is {}, the cheapest rung that {}{}.",
-                           choice->label,
-                           rule,
-                           pairs_text(*choice, frontier));
+             ? fmt::format(
+                   "No rung of the ladder that was measured {}: there is no automatic "
+                   "choice.",
+                   frontier.choice_rule)
+             : fmt::format(
+                   "The automatic choice is {}, of the rungs that were measured the one of "
+                   "least counted work that {}{}.",
+                   choice->label,
+                   frontier.choice_rule,
+                   pairs_text(*choice, frontier));
 }
 
 }  // namespace glint

@@ -156,11 +156,12 @@ Json measure(const Study& study, const FrontierRun& run, Frontier& frontier) {
   const auto show_designs = [&](double done, const std::string& next) {
     bar.update(static_cast<std::int64_t>((share + done * kRankingShare) * kProgressSteps), next);
   };
+  const Goal goal = choice_goal(study);
   try {
     frontier = measure_frontier(study.scene,
                                 {.threads = run.threads,
                                  .budget_s = share * run.budget_s,
-                                 .goal = study.has_objective ? &study.goal : nullptr,
+                                 .goal = study.has_objective ? &goal : nullptr,
                                  .on_progress = show});
     const double taken_s = std::chrono::duration<double>(Clock::now() - start).count();
     frontier.ranking = rank_designs(study,
@@ -168,7 +169,7 @@ Json measure(const Study& study, const FrontierRun& run, Frontier& frontier) {
                                     {.threads = run.threads,
                                      .budget_s = std::max(0.0, run.budget_s - taken_s),
                                      .on_progress = show_designs});
-    mark_choice(frontier);
+    mark_choice(study, frontier);
   } catch (const ConfigError& error) {
     throw with_place(study.root, error);
   }
@@ -224,11 +225,12 @@ std::vector<std::string> method_notes(const Frontier& frontier) {
       "CPU time is that of one thread for one more candidate lighting, rays kept: the best of "
       "several repeats. The first candidate also pays for building the part and tracing.",
       "Frame error: root of the mean square of radiance over all frames and all pixels that see "
-      "the "
-      "part; pictures of half resolution are enlarged linearly for it. Full scale is 1.",
+      "the part; pictures of half resolution are enlarged linearly for it. Full scale is 1.",
       "Contrast error: the worst defect, in the mean image (Weber) or in its best frame "
-      "(change), "
-      "in per cent of its value but of at least 1 % of full contrast."};
+      "(change), in per cent of its value but of at least 1 % of full contrast.",
+      "The own choice is what render.method = \"auto\" does with the scene's "
+      "max_direction_error_mrad. It is no choice of [accuracy], whose rungs for mirrors have "
+      "other errors of directions."};
   if (frontier.reference.own_frame_rmse) {
     notes.push_back(fmt::format(
         "The reference's own frame error is about {:.2g}, extrapolated from 16 and 64 rays; below "

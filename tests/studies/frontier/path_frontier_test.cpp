@@ -193,65 +193,12 @@ TEST(PathFrontier, ErrorsFallWithTheRootOfTheSamples) {
             point_named(ring_frontier(), "1 sample").h_error_points);
 }
 
-/// Points of rising cost, "4 samples" first, none of which has a problem.
-Frontier made_up_frontier() {
-  Frontier frontier;
-  frontier.reference.method.follows_paths = true;
-  for (const int samples : {4, 16, 64}) {
-    FrontierPoint point;
-    point.label = fmt::format("{} samples", samples);
-    point.tessellation = "exact surface";
-    point.cpu_s = samples;
-    point.h_error_points = 4.0 / samples;  // 1, 0.25, 0.0625
-    point.defects["dent"] = {.weber_percent = 100.0 / samples, .change_percent = 0.0};
-    frontier.points.push_back(point);
-  }
-  return frontier;
-}
-
-std::string chosen_of(Frontier frontier) {
-  mark_choice(frontier);
-  const auto found = std::ranges::find_if(frontier.points, &FrontierPoint::is_chosen);
-  return found != frontier.points.end() ? found->label : "none";
-}
-
-// 16 samples: 0.25 points of h, 6.25 % of contrast; 64: 0.0625 and 1.6 %.
-TEST(FrontierChoice, WithoutDesignsIsTheCheapestWithinTheBoundsOfStability) {
-  Frontier frontier = made_up_frontier();
-  EXPECT_EQ(chosen_of(frontier), "64 samples");
-  frontier.points[1].defects["dent"].weber_percent = 4.9;
-  EXPECT_EQ(chosen_of(frontier), "16 samples");
-  frontier.points[1].reduction = 4;
-  EXPECT_EQ(chosen_of(frontier), "64 samples") << "no ladder has a quarter of the resolution";
-  frontier.points[2].problem = "left out";
-  EXPECT_EQ(chosen_of(frontier), "none");
-  EXPECT_THAT(choice_sentence(frontier), testing::HasSubstr("there is no automatic choice"));
-}
-
-TEST(FrontierChoice, WithDesignsIsTheCheapestThatOrdersThemRightly) {
-  Frontier frontier = made_up_frontier();
-  frontier.ranking = DesignRanking{
-      .score = "homogeneity.h_rms",
-      .reference = "64 samples",
-      .designs = 12,
-      .methods = {{.label = "4 samples", .is_right = false},
-                  {.label = "16 samples", .agreement = {.pairs = 66}, .is_right = true}}};
-  EXPECT_EQ(chosen_of(frontier), "16 samples") << "whatever its own errors are";
-  mark_choice(frontier);
-  EXPECT_THAT(choice_sentence(frontier), testing::HasSubstr("puts 12 designs into the order"));
-  EXPECT_THAT(choice_sentence(frontier), testing::HasSubstr("by 66 pairs"));
-  frontier.reference.method.follows_paths = false;
-  EXPECT_EQ(chosen_of(made_up_frontier()), "64 samples");
-  frontier.points[1].is_chosen = false;
-  EXPECT_EQ(chosen_of(frontier), "none") << "mirrors have a method of their own for it";
-}
-
 TEST(PathFrontier, MarksTheAutomaticChoiceOnItsDrawing) {
   Frontier frontier = ring_frontier();
   const auto with = [&] { return frontier_svg(frontier, "title"); };
   EXPECT_THAT(with(), testing::Not(testing::HasSubstr("the automatic choice")));
-  mark_choice(frontier);
-  ASSERT_NE(chosen_of(frontier), "none");
+  const AccuracySettings any = {.wishes = {{.score = "homogeneity.h_rms", .tolerance = 1.0}}};
+  mark_choice(render_ladder(ring_scene(), {}), any, frontier);
   EXPECT_THAT(with(), testing::HasSubstr("the automatic choice"));
 }
 

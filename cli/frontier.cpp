@@ -69,12 +69,14 @@ std::string ranking_text(const Json& result) {
                                  ranking["score"].get<std::string>(),
                                  ranking["reference"].get<std::string>());
   for (const Json& row : ranking["methods"]) {
-    text += fmt::format("  {:<44} {:>9} ms   tau {:>6.2f} of {} pairs   {}\n",
+    const bool is_other = row["score"] != ranking["score"];
+    text += fmt::format("  {:<44} {:>9} ms   tau {:>6.2f} of {} pairs   {}{}\n",
                         row["label"].get<std::string>(),
                         number_text(row["cpu_s"], 1e3, "-"),
                         row["tau"].get<double>(),
                         row["pairs"].get<int>(),
-                        row["is_right"].get<bool>() ? "right" : "not shown to be right");
+                        row["is_right"].get<bool>() ? "right" : "not shown to be right",
+                        is_other ? ", by " + row["score"].get<std::string>() : "");
   }
   return text;
 }

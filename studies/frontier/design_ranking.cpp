@@ -4,9 +4,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
+#include <set>
 
 #include "core/cpu_clock.h"
+#include "optimizer/algorithm/merit.h"
 #include "optimizer/algorithm/sobol.h"
+#include "studies/accuracy/search_figures.h"
 #include "studies/definition/ladder/larger_pixels.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/frontier_methods.h"
@@ -37,6 +41,26 @@ bool is_of_ladder(const FrontierPoint& point, const Frontier& frontier) {
          point.method.paths.max_reflections == first.paths.max_reflections;
 }
 
+double mean_of(std::span<const double> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// Each once.
+std::vector<std::string> scores_in(const Goal& goal) {
+  std::set<std::string> names;
+  for (const Objective& objective : objectives_of(goal)) {
+    names.insert(objective.name);
+  }
+  for (const Constraint& constraint : goal.constraints) {
+    names.insert(constraint.name);
+  }
+  return {names.begin(), names.end()};
+}
+
+bool is_finite(const Scores& scores) {
+  return std::ranges::all_of(scores, [](const auto& score) { return std::isfinite(score.second); });
+}
+
 class Ranking {
  public:
   Ranking(const Study& study, const Frontier& frontier, const RankingOptions& options)
@@ -44,7 +68,8 @@ class Ranking {
         frontier_(frontier),
         options_(options),
         pool_(options.threads),
-        wanted_(wanted_by(study.goal)) {}
+        wanted_(wanted_by(study.goal)),
+        names_(scores_in(study.goal)) {}
 
   std::optional<DesignRanking> run() {
     if (!wanted_.trials.empty()) {
@@ -57,7 +82,7 @@ class Ranking {
     DesignRanking ranking = {.score = study_.goal.objective.name,
                              .reference = reference->label,
                              .designs = static_cast<int>(scenes_.size()),
-                             .mean_error = errors_.front()};
+                             .mean_error = mean_of(errors_.front())};
     // A machine that others use as well may have taken longer than was foreseen.
     const double end_s = std::max(options_.budget_s, kAtLeast * seconds());
     for (const FrontierPoint* point : cheaper_than(*reference)) {
@@ -106,8 +131,8 @@ class Ranking {
     return points;
   }
 
-  /// What the search minimises; empty where the scene cannot be made or scored.
-  std::optional<double> figure_of(SceneStore& store,
+  /// Those of the goal; empty where the scene cannot be made or judged.
+  std::optional<Scores> scores_of(SceneStore& store,
                                   const FrontierPoint& point,
                                   const SceneSettings& design,
                                   int picture) const {
@@ -116,12 +141,15 @@ class Ranking {
       scene = independent_paths(scene, scene.paths.samples, picture);
     }
     try {
-      const Scores scores = evaluate(store, scene, {}, wanted_).scores;
-      const auto found = scores.find(study_.goal.objective.name);
-      if (found == scores.end() || !std::isfinite(found->second)) {
+      const Scores all = evaluate(store, scene, {}, wanted_).scores;
+      if (!problem_with(study_.goal, all).empty()) {
         return std::nullopt;
       }
-      return study_.goal.objective.is_maximised ? -found->second : found->second;
+      Scores scores;
+      for (const std::string& name : names_) {
+        scores[name] = all.at(name);
+      }
+      return is_finite(scores) ? std::optional(scores) : std::nullopt;
     } catch (const ConfigError&) {
       return std::nullopt;
     }
@@ -149,47 +177,67 @@ class Ranking {
     if (coarser == nullptr) {
       return false;
     }
+    const bool has_noise = reference.method.follows_paths;
+    score_reference(reference, has_noise ? reference : *coarser, has_noise);
+    if (scenes_.size() < 3) {
+      return false;
+    }
+    figures_ = search_figures(study_.goal, scores_);
+    errors_ = search_figure_errors(study_.goal, scores_);
+    return true;
+  }
+
+  /// @param has_noise  `other` is the same with other random numbers: the mean of both is taken
+  void score_reference(const FrontierPoint& reference, const FrontierPoint& other, bool has_noise) {
     SceneStore store(pool_);
     SceneStore other_store(pool_);
-    const FrontierPoint& other = reference.method.follows_paths ? reference : *coarser;
-    const double share = reference.method.follows_paths ? 0.25 : 1.0;  // mean of two
-    double squares = 0.0;
+    Scores squares;
     for (int i = 0; i < kMaxTries && static_cast<int>(scenes_.size()) < kDesigns; ++i) {
       tell("reference, " + std::to_string(i + 1));
       const auto scene = design(static_cast<std::uint32_t>(i));
       const auto one =
-          scene ? figure_of(store, reference, *scene, kFirstPicture + 1) : std::optional<double>();
+          scene ? scores_of(store, reference, *scene, kFirstPicture + 1) : std::nullopt;
       const auto two =
-          one ? figure_of(other_store, other, *scene, kFirstPicture + 2) : std::nullopt;
-      if (two) {
-        scenes_.push_back(*scene);
-        figures_.push_back(reference.method.follows_paths ? 0.5 * (*one + *two) : *one);
-        squares += share * (*one - *two) * (*one - *two);
+          one ? scores_of(other_store, other, *scene, kFirstPicture + 2) : std::nullopt;
+      if (!two) {
+        continue;
+      }
+      scenes_.push_back(*scene);
+      scores_.push_back(*one);
+      for (const std::string& name : names_) {
+        const double step = 0.5 * (two->at(name) - one->at(name));
+        scores_.back()[name] += has_noise ? step : 0.0;
+        squares[name] += has_noise ? step * step : 4.0 * step * step;
       }
     }
-    if (scenes_.size() < 3) {
-      return false;
+    for (Scores& scores : scores_) {
+      for (const std::string& name : names_) {
+        scores[error_name(without_bound(name))] =
+            std::sqrt(squares.at(name) / static_cast<double>(scores_.size()));
+      }
     }
-    errors_.assign(scenes_.size(), std::sqrt(squares / static_cast<double>(scenes_.size())));
-    return true;
   }
 
   void rank(const FrontierPoint& point, DesignRanking& ranking) {
     tell(point.label);
     SceneStore store(pool_);
-    std::vector<double> cheap;
+    std::vector<Scores> cheap;
     const double start = process_cpu_s();
     for (const SceneSettings& scene : scenes_) {
-      const auto figure = figure_of(store, point, scene, kFirstPicture);
-      if (!figure) {
+      const auto scores = scores_of(store, point, scene, kFirstPicture);
+      if (!scores) {
         return;
       }
-      cheap.push_back(*figure);
+      cheap.push_back(*scores);
     }
-    MethodRanking row = {.label = point.label,
-                         .cpu_s = (process_cpu_s() - start) / static_cast<double>(cheap.size()),
-                         .agreement = rank_agreement(cheap, figures_, errors_)};
-    row.is_right = is_ranking_right(row.agreement);
+    const double taken_s = process_cpu_s() - start;
+    if (point.method.follows_paths && point.reduction > 1) {
+      take_out_mean_errors(cheap, scores_);
+    }
+    MethodRanking row =
+        worst_order(study_.goal, search_figures(study_.goal, cheap), figures_, errors_);
+    row.label = point.label;
+    row.cpu_s = taken_s / static_cast<double>(cheap.size());
     ranking.methods.push_back(row);
   }
 
@@ -200,11 +248,48 @@ class Ranking {
   ThreadPool pool_;
   WantedScores wanted_;
   std::vector<SceneSettings> scenes_;
-  std::vector<double> figures_;  ///< of the reference, smaller is better
-  std::vector<double> errors_;   ///< their standard errors
+  std::vector<std::string> names_;            ///< of the goal's scores
+  std::vector<Scores> scores_;                ///< of the reference, with standard errors
+  std::vector<std::vector<double>> figures_;  ///< of each objective and design
+  std::vector<std::vector<double>> errors_;   ///< their standard errors
 };
 
 }  // namespace
+
+MethodRanking worst_order(const Goal& goal,
+                          const std::vector<std::vector<double>>& cheap,
+                          const std::vector<std::vector<double>>& reference,
+                          const std::vector<std::vector<double>>& errors) {
+  MethodRanking worst;
+  const std::vector<Objective> objectives = objectives_of(goal);
+  for (std::size_t k = 0; k < objectives.size(); ++k) {
+    const RankAgreement agreement = rank_agreement(cheap[k], reference[k], errors[k]);
+    const bool is_right = is_ranking_right(agreement);
+    const bool is_worse =
+        is_right == worst.is_right ? agreement.tau < worst.agreement.tau : worst.is_right;
+    if (k == 0 || is_worse) {
+      worst.score = objectives[k].name;
+      worst.agreement = agreement;
+      worst.is_right = is_right;
+    }
+  }
+  return worst;
+}
+
+void take_out_mean_errors(std::span<Scores> cheap, std::span<const Scores> reference) {
+  const auto number = static_cast<double>(cheap.size());
+  Scores means;
+  for (std::size_t i = 0; i < cheap.size(); ++i) {
+    for (const auto& [name, value] : cheap[i]) {
+      means[name] += (value - reference[i].at(name)) / number;
+    }
+  }
+  for (Scores& scores : cheap) {
+    for (auto& [name, value] : scores) {
+      value -= means.at(name);
+    }
+  }
+}
 
 std::optional<DesignRanking> rank_designs(const Study& study,
                                           const Frontier& frontier,

@@ -39,10 +39,11 @@ struct FrontierReference {
 
 /// How a method orders designs, against the finest one that was tried.
 struct MethodRanking {
-  std::string label;   ///< of the point
-  double cpu_s = 0.0;  ///< of one design, mean
-  RankAgreement agreement;
-  bool is_right = false;
+  std::string label;        ///< of the point
+  std::string score;        ///< the objective that it orders worst
+  double cpu_s = 0.0;       ///< of one design, mean
+  RankAgreement agreement;  ///< by what a search minimises, limits counted in
+  bool is_right = false;    ///< by every objective
 };
 
 /// Designs spread evenly over the variables.
@@ -50,7 +51,7 @@ struct DesignRanking {
   std::string score;        ///< the study's first objective
   std::string reference;    ///< label of the method that the others are compared with
   int designs = 0;          ///< that could be evaluated
-  double mean_error = 0.0;  ///< standard error of the reference's figures, mean
+  double mean_error = 0.0;  ///< standard error of the reference's first figures, mean
   std::vector<MethodRanking> methods;
 };
 

@@ -107,6 +107,7 @@ Json ranking_json(const DesignRanking& ranking) {
   Json methods = Json::array();
   for (const MethodRanking& row : ranking.methods) {
     methods.push_back({{"label", row.label},
+                       {"score", row.score},
                        {"cpu_s", row.cpu_s},
                        {"tau", row.agreement.tau},
                        {"pairs", row.agreement.pairs},

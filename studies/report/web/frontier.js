@@ -196,7 +196,7 @@ export function frontierRankingSection(facts) {
   const cell = (text) => h('td', { class: 'number' }, text);
   const heads = ['method', 'a design (ms)', 'Kendall\u2019s tau', 'pairs', 'its winner behind', ''];
   const rowOf = (one) => h('tr', {}, h('td', {}, one.label.replace(' um', ' \u00b5m')), cell(number(1e3 * one.cpu_s, 3)), cell(number(one.tau, 3)), cell(String(one.pairs)), cell(`${number(one.winner_behind, 3)} \u00b1 ${number(one.winner_behind_standard_error, 2)}`),
-    h('td', {}, one.is_right ? badge('good', 'right order') : badge('neutral', 'not shown')));
+    h('td', {}, one.is_right ? badge('good', 'right order') : badge('neutral', 'not shown'), one.score && one.score !== ranking.score && ` by ${one.score}`));
   return section('ranking', 'Order of designs', `${ranking.designs} designs spread over the variables, ordered by ${ranking.score}, against ${ranking.reference}. Pairs that the reference cannot tell apart (standard error ${number(ranking.standard_error, 2)}) do not count; right is tau of at least 0.9 and a winner within two standard errors of the best.`, h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
     h('thead', {}, h('tr', {}, heads.map((text, i) => h('th', { class: i > 0 ? 'number' : '' }, text)))), h('tbody', {}, ranking.methods.map(rowOf)))));
 }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/file.h"
+#include "studies/frontier/design_ranking.h"
 #include "studies/frontier/frontier_methods.h"
 #include "tests/support/temporary_folder.h"
 
@@ -206,6 +207,39 @@ TEST(ChoiceGoal, HasTheScoresOfTheTolerances) {
   ASSERT_EQ(goal.constraints.size(), 1U);
   EXPECT_EQ(goal.constraints[0].name, "homogeneity.clipped_share");
   EXPECT_EQ(goal.objective.name, kHomogeneity);
+}
+
+Goal two_objectives() {
+  Goal goal;
+  goal.objective = {.name = kHomogeneity};
+  goal.more_objectives = {{.name = "homogeneity.mean"}};
+  return goal;
+}
+
+// Four designs: 0, 1, 2, 3 by the reference; 1, 0, 2, 3 has one of six pairs turned: tau 2/3.
+TEST(WorstOrder, IsThatOfTheObjectiveThatIsOrderedWorst) {
+  const std::vector<double> right = {0.0, 1.0, 2.0, 3.0};
+  const std::vector<double> nearly = {1.0, 0.0, 2.0, 3.0};
+  const std::vector<std::vector<double>> reference = {right, right};
+  const std::vector<std::vector<double>> errors(2, std::vector<double>(4, 0.01));
+  const auto order = [&](const std::vector<double>& first, const std::vector<double>& second) {
+    return worst_order(two_objectives(), {first, second}, reference, errors);
+  };
+  EXPECT_TRUE(order(right, right).is_right);
+  EXPECT_FALSE(order(right, nearly).is_right);
+  EXPECT_EQ(order(right, nearly).score, "homogeneity.mean");
+  EXPECT_NEAR(order(right, nearly).agreement.tau, 2.0 / 3.0, 1e-12);
+  EXPECT_FALSE(order(nearly, right).is_right);
+  EXPECT_EQ(order(nearly, right).score, kHomogeneity);
+}
+
+// 2 and 4 above the reference, 3 on average.
+TEST(TakeOutMeanErrors, LeavesWhatDiffersBetweenDesigns) {
+  std::vector<Scores> cheap = {{{kHomogeneity, 3.0}}, {{kHomogeneity, 9.0}}};
+  const std::vector<Scores> reference = {{{kHomogeneity, 1.0}}, {{kHomogeneity, 5.0}}};
+  take_out_mean_errors(cheap, reference);
+  EXPECT_DOUBLE_EQ(cheap[0].at(kHomogeneity), 0.0);
+  EXPECT_DOUBLE_EQ(cheap[1].at(kHomogeneity), 6.0);
 }
 
 }  // namespace

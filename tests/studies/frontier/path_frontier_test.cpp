@@ -267,6 +267,11 @@ maximise = "homogeneity.h_rms"
   EXPECT_GT(row->agreement.tau, 0.5) << "without any agreement about 0 +- 0.2";
   EXPECT_FALSE(rank_designs(load_study(folder / "study.toml", {{"variables", "{}"}}), frontier, {}))
       << "without variables there are no designs";
+  const Study limited =
+      load_study(folder / "study.toml", {{"constraints", "{\"homogeneity.mean\" = {max = 0.01}}"}});
+  const auto by_merit = rank_designs(limited, frontier, {.threads = 2, .budget_s = 600.0});
+  ASSERT_TRUE(by_merit);
+  EXPECT_GT(by_merit->mean_error, ranking->mean_error) << "the noise of the penalty";
 }
 
 }  // namespace

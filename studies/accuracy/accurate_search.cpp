@@ -13,6 +13,7 @@
 #include "core/log.h"
 #include "studies/accuracy/accuracy_report.h"
 #include "studies/definition/ladder/unmodelled.h"
+#include "studies/imaging/path_lights.h"
 
 namespace glint {
 namespace {
@@ -107,8 +108,12 @@ nlohmann::ordered_json accurate_search_json(SceneStore& store,
   for (const EndedEpoch& epoch : found.check ? found.check->ended : std::vector<EndedEpoch>()) {
     earlier_work += epoch.search_work;
   }
-  nlohmann::ordered_json json = accuracy_json(
-      study, *found.chosen, evaluations, unmodelled_notes(study.scene, size_mm), earlier_work);
+  nlohmann::ordered_json json =
+      accuracy_json(study,
+                    *found.chosen,
+                    evaluations,
+                    unmodelled_notes(study.scene, size_mm, load_light_mesh),
+                    earlier_work);
   if (found.check) {
     json["check"] = check_json(*found.chosen, *found.check, evaluations);
   }

@@ -12,6 +12,7 @@
 #include "simulator/light/tunnel/tunnel.h"
 #include "simulator/material/fresnel.h"
 #include "simulator/material/nk_table.h"
+#include "studies/definition/ladder/lamp_share.h"
 #include "studies/definition/ladder/render_ladder.h"
 #include "studies/definition/render_methods.h"
 
@@ -65,15 +66,34 @@ double mean_reflectance(const SceneSettings& scene) {
   return sum / static_cast<double>(scene.material.reflectance.size());
 }
 
-/// What the part throws back to the wall makes it brighter by: the part's share of what the wall
-/// sees, times both reflectances.
-std::string wall_note(const SceneSettings& scene, const Eigen::Vector3d& size_mm) {
-  constexpr double kWallReflectance = 0.5;  // of opal acrylic, about
-  constexpr double kStep_mm = 1.0;
-  if (!scene.has_tunnel) {
+/// What comes back to the part from lamps that it shines on.
+std::string lamp_note(const SceneSettings& scene,
+                      const Eigen::Vector3d& size_mm,
+                      const MeshLoader& load_mesh) {
+  constexpr double kLampReflectance = 0.5;  // a guess: no file tells it
+  const LampShare share = lamp_share(scene, size_mm, load_mesh);
+  if (share.seen <= 0.0) {
     return "Light that the part throws onto its surroundings and gets back from them is not "
            "modelled: all but part and lights is black. How much that is depends on what stands "
            "there; no estimate.";
+  }
+  return fmt::format(
+      "Light that goes from the part to the lamps and from there to the part again is not "
+      "modelled: about {:.1g} % of the part's light, if lamps, which fill {:.2g} % of what it "
+      "sees, reflect a half (a guess). All but part and lamps is taken as black.",
+      100.0 * kLampReflectance * mean_reflectance(scene) * share.returned,
+      100.0 * share.seen);
+}
+
+/// What the part throws back to the wall makes it brighter by: the part's share of what the wall
+/// sees, times both reflectances.
+std::string wall_note(const SceneSettings& scene,
+                      const Eigen::Vector3d& size_mm,
+                      const MeshLoader& load_mesh) {
+  constexpr double kWallReflectance = 0.5;  // of opal acrylic, about
+  constexpr double kStep_mm = 1.0;
+  if (!scene.has_tunnel) {
+    return lamp_note(scene, size_mm, load_mesh);
   }
   const double wall_mm2 =
       length_of(Tunnel(scene.tunnel).outline(kStep_mm)) * scene.tunnel.length_mm;
@@ -205,8 +225,9 @@ double metal_polarisation(double reflectance, double angle_rad) {
 }
 
 std::vector<std::string> unmodelled_notes(const SceneSettings& scene,
-                                          const Eigen::Vector3d& size_mm) {
-  return {wall_note(scene, size_mm),
+                                          const Eigen::Vector3d& size_mm,
+                                          const MeshLoader& load_mesh) {
+  return {wall_note(scene, size_mm, load_mesh),
           polarisation_note(scene),
           wave_note(scene),
           reflections_note(scene)};

@@ -9,14 +9,18 @@
 
 #include <Eigen/Core>
 
+#include "simulator/light/area/build_lights.h"
 #include "studies/definition/scene.h"
 
 namespace glint {
 
-/// One sentence each: light between part and wall, polarisation, features near the wavelength.
-/// @param size_mm  of the part
+/// One sentence each: light between part and wall or lamps, polarisation, features near the
+/// wavelength, reflections beyond the last.
+/// @param size_mm    of the part
+/// @param load_mesh  of lamps from mesh files, which do not count without it
 std::vector<std::string> unmodelled_notes(const SceneSettings& scene,
-                                          const Eigen::Vector3d& size_mm);
+                                          const Eigen::Vector3d& size_mm,
+                                          const MeshLoader& load_mesh = {});
 
 /// Degree of polarisation of unpolarised light that a metal has reflected once at an angle:
 /// (Rs - Rp) / (Rs + Rp), for n = 1 and the k that gives the reflectance at normal incidence.

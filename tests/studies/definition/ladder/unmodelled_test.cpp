@@ -58,6 +58,38 @@ TEST(UnmodelledNotes, DirectLightHasNoErrorOfPolarisation) {
   EXPECT_THAT(notes[2], HasSubstr("no defect"));
 }
 
+/// A plate of 48 x 36 mm with R = 0.6 and a flat ring of 30 to 60 mm over it.
+SceneSettings plate_under_ring(double height_mm) {
+  SceneSettings scene;
+  scene.has_tunnel = false;
+  scene.material.reflectance = {0.6};
+  scene.lights = {{"ring",
+                   RingSettings{.placement = {.position_mm = {0.0, 0.0, height_mm}},
+                                .inner_radius_mm = 30.0,
+                                .outer_radius_mm = 60.0}}};
+  return scene;
+}
+
+// At 97 mm the ring fills 60^2 / (60^2 + 97^2) - 30^2 / (30^2 + 97^2) = 0.189 of what the plate
+// sees. By reciprocity 0.189 * 1728 / 8482 = 0.0386 of what a place of the ring reflects falls on
+// the plate: 0.5 * 0.6 * 0.189 * 0.0386 = 0.22 %. At 60 mm it is 0.5 - 0.2 = 0.3: 0.55 %.
+TEST(UnmodelledNotes, EstimateWhatLampsThrowBack) {
+  const auto note = [](const SceneSettings& scene) {
+    return unmodelled_notes(scene, {48.0, 36.0, 5.0})[0];
+  };
+  EXPECT_THAT(note(plate_under_ring(97.0)), HasSubstr("about 0.2 % of the part's light"));
+  EXPECT_THAT(note(plate_under_ring(97.0)), HasSubstr("fill 19 % of what it sees"));
+  EXPECT_THAT(note(plate_under_ring(60.0)), HasSubstr("fill 30 % of what it sees"));
+  SceneSettings bright = plate_under_ring(97.0);
+  bright.material.reflectance = {0.9};
+  bright.lights.push_back(bright.lights.front());  // as if there were two
+  EXPECT_THAT(note(bright), HasSubstr("about 0.7 % of the part's light"));
+  EXPECT_THAT(note(plate_under_ring(-97.0)), HasSubstr("no estimate")) << "it is behind";
+  SceneSettings sky = plate_under_ring(97.0);
+  sky.lights = {{"sky", EnvironmentSettings()}};
+  EXPECT_THAT(note(sky), HasSubstr("no estimate"));
+}
+
 // A convex part throws no light on itself. Of a gear with R = 0.6 as much as (0.5 * 0.6)^2 = 9 % of
 // the light takes more than two reflections.
 TEST(UnmodelledNotes, TellOfReflectionsBeyondTheLast) {

@@ -41,7 +41,7 @@ bool is_of_ladder(const FrontierPoint& point, const Frontier& frontier) {
          point.method.paths.max_reflections == first.paths.max_reflections;
 }
 
-double mean_of(std::span<const double> values) {
+double mean_error_of(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
@@ -82,7 +82,7 @@ class Ranking {
     DesignRanking ranking = {.score = study_.goal.objective.name,
                              .reference = reference->label,
                              .designs = static_cast<int>(scenes_.size()),
-                             .mean_error = mean_of(errors_.front())};
+                             .mean_error = mean_error_of(errors_.front())};
     // A machine that others use as well may have taken longer than was foreseen.
     const double end_s = std::max(options_.budget_s, kAtLeast * seconds());
     for (const FrontierPoint* point : cheaper_than(*reference)) {

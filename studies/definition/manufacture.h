@@ -22,8 +22,7 @@ ConfigNode moved_value(const ConfigNode& node, double value);
 
 /// Reads "path" = { plus_minus = .. } in the order of the file; empty without the table.
 /// @param study   with scene, variables and objective
-/// @param errors  grows by: no search, unknown keys and those that are no numbers, plus_minus that
-/// is
+/// @param errors  grows by: no search, unknown keys, keys that are no numbers, plus_minus that is
 ///                not above 0, not whole for an integer or beyond the key's range
 std::vector<Tolerance> read_tolerances(const Study& study, std::vector<Problem>& errors);
 

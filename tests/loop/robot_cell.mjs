@@ -50,9 +50,11 @@ expect(`hand-eye turned by ${turned.toFixed(4)} degrees, sigma`, eye.sigma_deg.t
 
 const result = readJson("validate/result.json");
 expect("agreement", result.agreement, result.agreement !== "does_not_agree");
-// The order itself: a pair that cannot be told is against nothing, and proves nothing either.
+// From 1224 pixels on the order itself: a pair that cannot be told is against nothing, and proves
+// nothing either. In smaller pictures intervals tell no pair apart, and the order is a matter of luck.
 const orders = [result.ranking?.simulated ?? [], result.ranking?.real ?? []].map((order) => order.join(", "));
-expect("simulated ranking, real ranking", orders.join(" | "), orders[0] === orders[1] && orders[0] !== "");
+expect("simulated ranking, real ranking", orders.join(" | "),
+  orders[0] !== "" && (Number(width) >= 1224 ? orders[0] === orders[1] : result.ranking.agrees));
 const level = (result.ranking?.pairs ?? []).filter((pair) => pair.level).map((pair) => `${pair.first}/${pair.second}`);
 console.log(`      pairs whose order intervals do not tell: ${level.join(", ") || "none"}`);
 const { before_calibration_px: before, mean_distance_px: after } = result.edges;

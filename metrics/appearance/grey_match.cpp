@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "metrics/appearance/grey_sums.h"
 
 namespace glint {
 namespace {
@@ -29,31 +30,12 @@ void check_region(const ImageF& picture, const Mask& region) {
   }
 }
 
-/// Sums of two pictures over a region.
-struct PairSums {
-  double count = 0.0;
-  double a = 0.0;
-  double b = 0.0;
-  double aa = 0.0;
-  double ab = 0.0;
-  double bb = 0.0;
-
-  void add(double x, double y) {
-    count += 1.0;
-    a += x;
-    b += y;
-    aa += x * x;
-    ab += x * y;
-    bb += y * y;
-  }
-};
-
 /// @param full_scale  pixels clipped there or at 0 are left out; infinity: none is
-PairSums sums_of(const ImageF& first, const ImageF& second, const Mask& region, double full_scale) {
+GreySums sums_of(const ImageF& first, const ImageF& second, const Mask& region, double full_scale) {
   check_same_size(first, second);
   check_region(first, region);
   const bool leaves_out = std::isfinite(full_scale);
-  PairSums sums;
+  GreySums sums;
   for (std::size_t i = 0; i < first.size(); ++i) {
     const auto x = static_cast<double>(first.values()[i]);
     const auto y = static_cast<double>(second.values()[i]);
@@ -90,24 +72,26 @@ ExposureMatch match_exposure(const ImageF& simulated,
                              const Mask& region,
                              ExposureModel model,
                              double full_scale) {
-  const PairSums sums = sums_of(simulated, real, region, full_scale);
+  const GreySums sums = sums_of(simulated, real, region, full_scale);
   ExposureMatch match;
-  match.pixels = static_cast<std::size_t>(sums.count);
-  if (sums.count < 1.0 || sums.aa <= 0.0) {
+  match.pixels = static_cast<std::size_t>(sums.pixels);
+  if (sums.pixels < 1.0 || sums.simulated_squares <= 0.0) {
     return match;
   }
-  const double spread = sums.aa - sums.a * sums.a / sums.count;
-  if (model == ExposureModel::kGainAndOffset && spread > 1e-12 * sums.aa) {
-    match.gain = (sums.ab - sums.a * sums.b / sums.count) / spread;
-    match.offset = (sums.b - match.gain * sums.a) / sums.count;
+  const GreySums centred = sums.centred();
+  if (model == ExposureModel::kGainAndOffset &&
+      centred.simulated_squares > 1e-12 * sums.simulated_squares) {
+    match.gain = centred.products / centred.simulated_squares;
+    match.offset = (sums.real - match.gain * sums.simulated) / sums.pixels;
   } else {
-    match.gain = sums.ab / sums.aa;
+    match.gain = sums.products / sums.simulated_squares;
   }
   const double g = match.gain;
   const double o = match.offset;
-  const double squares = sums.bb + g * g * sums.aa + o * o * sums.count - 2.0 * g * sums.ab -
-                         2.0 * o * sums.b + 2.0 * g * o * sums.a;
-  match.rms = std::sqrt(std::max(squares, 0.0) / sums.count);
+  const double squares = sums.real_squares + g * g * sums.simulated_squares + o * o * sums.pixels -
+                         2.0 * g * sums.products - 2.0 * o * sums.real +
+                         2.0 * g * o * sums.simulated;
+  match.rms = std::sqrt(std::max(squares, 0.0) / sums.pixels);
   return match;
 }
 
@@ -131,15 +115,18 @@ ImageF residual_picture(const ImageF& simulated, const ImageF& real, const Mask&
 }
 
 double correlation_of(const ImageF& first, const ImageF& second, const Mask& region) {
-  const PairSums sums = sums_of(first, second, region, HUGE_VAL);
-  if (sums.count < 2.0) {
+  const GreySums sums = sums_of(first, second, region, HUGE_VAL);
+  if (sums.pixels < 2.0) {
     return 0.0;
   }
-  const double aa = sums.aa - sums.a * sums.a / sums.count;
-  const double bb = sums.bb - sums.b * sums.b / sums.count;
-  const double ab = sums.ab - sums.a * sums.b / sums.count;
-  const bool is_constant = aa <= 1e-12 * sums.aa || bb <= 1e-12 * sums.bb;
-  return is_constant ? 0.0 : std::clamp(ab / std::sqrt(aa * bb), -1.0, 1.0);
+  const GreySums centred = sums.centred();
+  const bool is_constant = centred.simulated_squares <= 1e-12 * sums.simulated_squares ||
+                           centred.real_squares <= 1e-12 * sums.real_squares;
+  return is_constant ? 0.0
+                     : std::clamp(centred.products /
+                                      std::sqrt(centred.simulated_squares * centred.real_squares),
+                                  -1.0,
+                                  1.0);
 }
 
 double histogram_distance(const ImageF& first,

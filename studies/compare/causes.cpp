@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "metrics/appearance/grey_sums.h"
 #include "metrics/overlap/boundary_distance.h"
 #include "metrics/overlap/outline_motion.h"
 #include "studies/compare/camera/scene_camera.h"
-#include "studies/compare/grey_sums.h"
 #include "studies/compare/refined_scene.h"
 #include "studies/compare/roughness_cause.h"
 #include "studies/compare/surface/placed_edges.h"

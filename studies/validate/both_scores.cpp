@@ -6,9 +6,9 @@
 #include <memory>
 #include <utility>
 
+#include "metrics/appearance/grey_sums.h"
 #include "metrics/aspect_image/defect_scores.h"
 #include "simulator/sensor/rounding.h"
-#include "studies/compare/grey_sums.h"
 #include "studies/imaging/scene_picture.h"
 
 namespace glint {

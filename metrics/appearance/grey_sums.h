@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What least squares between the grey values of two pictures need.
 #pragma once
 
 namespace glint {
 
-/// Sums of grey values over the pixels that both pictures show, clipped in neither.
+/// Sums over pixels of a simulated and a real picture; which ones, the caller says.
 struct GreySums {
   double pixels = 0.0;
   double simulated = 0.0;
@@ -23,7 +25,7 @@ struct GreySums {
     differences += (real_grey - simulated_grey) * (real_grey - simulated_grey);
   }
 
-  /// With the means taken out, as a match with an offset does.
+  /// Squares and products about the means, as a match with an offset takes them. Of >= 1 pixel.
   GreySums centred() const {
     GreySums sums = *this;
     sums.simulated_squares -= simulated * simulated / pixels;

@@ -56,7 +56,8 @@ ProgramUsage usage_of(const CLI::App& app) {
         program.verbs.back().options.push_back(usage_of(*option));
       }
     }
-    std::ranges::stable_partition(program.verbs.back().options, is_of_verb);
+    std::vector<OptionUsage>& options = program.verbs.back().options;
+    std::stable_partition(options.begin(), options.end(), is_of_verb);
   }
   return program;
 }

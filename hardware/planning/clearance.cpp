@@ -68,7 +68,7 @@ ClearanceCheck::ClearanceCheck(const PlanningCell& cell)
     }
   }
   // Large meshes last: what is known by then cuts their distances off.
-  std::ranges::stable_partition(pairs_, [this](const Pair& pair) {
+  std::stable_partition(pairs_.begin(), pairs_.end(), [this](const Pair& pair) {
     return pair.kind != Pair::Kind::kMeshes || !distances_.is_large(pair.fixed);
   });
 }

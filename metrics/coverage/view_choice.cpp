@@ -126,11 +126,7 @@ ViewChoice greedy_among(const JoinedPoints& points, std::vector<std::size_t> vie
 class BranchAndBound {
  public:
   BranchAndBound(const JoinedPoints& points, ViewChoice start, std::int64_t max_nodes)
-      : points_(points),
-        seen_(points),
-        count_(start.views.size()),
-        max_nodes_(max_nodes),
-        best_(std::move(start)) {}
+      : seen_(points), count_(start.views.size()), max_nodes_(max_nodes), best_(std::move(start)) {}
 
   ViewChoice solve(const std::vector<std::size_t>& views) {
     best_.is_proven = branch(views, 0.0);
@@ -195,7 +191,6 @@ class BranchAndBound {
     }
   }
 
-  const JoinedPoints& points_;
   Seen seen_;
   std::size_t count_;
   std::int64_t max_nodes_;

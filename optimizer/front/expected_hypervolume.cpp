@@ -84,8 +84,7 @@ ExpectedHypervolume::ExpectedHypervolume(std::span<const Row> front, Row referen
     }
     borders_[k].push_back(reference_[k]);
     std::ranges::sort(borders_[k]);
-    const auto repeated = std::ranges::unique(borders_[k]);
-    borders_[k].erase(repeated.begin(), repeated.end());
+    borders_[k].erase(std::unique(borders_[k].begin(), borders_[k].end()), borders_[k].end());
     for (const Row& row : front_) {
       const auto at = std::ranges::lower_bound(borders_[k], row[k]);
       border_of_[k].push_back(static_cast<int>(at - borders_[k].begin()));
@@ -220,8 +219,7 @@ std::vector<std::size_t> spread_rows(std::span<const Row> rows, std::size_t coun
     taken.push_back(static_cast<std::size_t>(std::ranges::max_element(nearest) - nearest.begin()));
   }
   std::ranges::sort(taken);
-  const auto repeated = std::ranges::unique(taken);
-  taken.erase(repeated.begin(), repeated.end());
+  taken.erase(std::unique(taken.begin(), taken.end()), taken.end());
   return taken;
 }
 

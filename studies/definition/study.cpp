@@ -305,8 +305,7 @@ std::vector<fs::path> input_files(const Study& study) {
     files.push_back(study.calibration_trial->board);
   }
   std::ranges::sort(files);
-  const auto repeated = std::ranges::unique(files);
-  files.erase(repeated.begin(), repeated.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
   std::erase_if(files, [](const fs::path& file) { return file.empty(); });
   return files;
 }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <map>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -285,10 +286,11 @@ class ValidateRun {
   /// Takes those out whose light is not path traced: of these one exposure alone is fitted.
   void fit_exposures(std::vector<GreyDesign>& grey) {
     std::erase_if(grey, [](const GreyDesign& design) { return design.views.empty(); });
-    const auto others = std::ranges::stable_partition(grey, [](const GreyDesign& design) {
-      return allows_many_viewpoints(design.views.front().scene);
-    });
-    for (const GreyDesign& design : others) {
+    const auto others =
+        std::stable_partition(grey.begin(), grey.end(), [](const GreyDesign& design) {
+          return allows_many_viewpoints(design.views.front().scene);
+        });
+    for (const GreyDesign& design : std::span(others, grey.end())) {
       GreyFit fit = {.is_exposure_only = true};
       try {
         fit = fit_exposure(store_, design);
@@ -298,7 +300,7 @@ class ValidateRun {
       }
       findings_.grey.push_back({.design = design.name, .fit = std::move(fit)});
     }
-    grey.erase(others.begin(), others.end());
+    grey.erase(others, grey.end());
   }
 
   void score_views(std::size_t index) {

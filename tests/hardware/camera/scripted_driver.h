@@ -110,6 +110,8 @@ class ScriptedDriver final : public CameraDriver {
     if (kind == Step::Kind::kHangs) {
       std::this_thread::sleep_for(std::chrono::milliseconds(700));
     }
+    // A call that was given up may still run beside the next one.
+    const std::scoped_lock lock(script_->mutex);
     if (kind == Step::Kind::kWithLate) {
       coming_.push_back(frame(script_->next_id - 1, true));
     }

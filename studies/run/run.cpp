@@ -68,6 +68,7 @@ class Run {
     const double search_start = process_cpu_s();
     if (study_.has_search()) {
       search = search_with_accuracy(storage, folder);
+      search_cpu_s_ = process_cpu_s() - search_start;
       if (search.termination == Termination::kInterrupted) {
         is_interrupted_ = true;
         log(LogLevel::kWarning,
@@ -78,10 +79,8 @@ class Run {
         race_for_winner(storage, search);
       }
     }
-    const double finish_start = process_cpu_s();
-    search_cpu_s_ = finish_start - search_start;
     Json result = finish(storage, search, folder);
-    finish_cpu_s_ = process_cpu_s() - finish_start;
+    finish_cpu_s_ = process_cpu_s() - search_start - search_cpu_s_;
     write_run_json(search, storage);
     if (study_.has_search()) {
       result["ended_by"] = ended_by(search.termination);
@@ -172,7 +171,9 @@ class Run {
     if (!has_race(study_, search)) {
       return;
     }
+    const double start = process_cpu_s();
     race_ = race_finalists(store_, study_, storage, search, options_.interrupt);
+    rescoring_cpu_s_ += process_cpu_s() - start;
     is_interrupted_ = race_.is_null();
     if (is_interrupted_) {
       search.termination = Termination::kInterrupted;
@@ -426,7 +427,7 @@ class Run {
   std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
   AccurateSearch accurate_;
   double search_cpu_s_ = 0.0;
-  double finish_cpu_s_ = 0.0;  ///< all that follows the search
+  double finish_cpu_s_ = 0.0;  ///< all that follows the search, a race of its finalists first
   double rescoring_cpu_s_ = 0.0;
   double populations_cpu_s_ = 0.0;
   double manufacture_cpu_s_ = 0.0;

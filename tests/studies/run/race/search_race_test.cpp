@@ -80,6 +80,14 @@ TEST(SearchRace, ChoosesTheWinnerOfANoisySearch) {
   EXPECT_NE(told.at("value"), told.at("seen"));
 }
 
+// As `glint check` predicts it: 10 evaluations are the search, all those of the race are not.
+TEST(SearchRace, CountsAsRescoring) {
+  const TemporaryFolder folder;
+  run_noisy(folder, "out");
+  const Json spent = Json::parse(read_file(folder / "out/run.json")).at("cpu_s");
+  EXPECT_LT(spent.at("search"), spent.at("rescoring"));
+}
+
 TEST(SearchRace, IsPredictedWhereThereIsOne) {
   const TemporaryFolder folder;
   write_file(folder / "study.toml", kNoisyRing);

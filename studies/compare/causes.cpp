@@ -107,7 +107,6 @@ constexpr int kRounds = 3;
 /// others, 4 px of 612.
 constexpr double kFarShare = 0.0065;
 constexpr double kMinFar_px = 2.0;
-constexpr double kMostlyShown = 0.6;  ///< of the simulated outline's edges, in the real picture
 
 /// Whether the motion of the simulated outline onto the real one is known.
 bool has_motion(const ComparedPair& pair, const KnownCamera& known) {

@@ -139,6 +139,14 @@ Json seen_json(const SeenDefect& seen) {
   return json;
 }
 
+Json moved_json(const std::optional<MovedPlace>& moved) {
+  return moved ? Json{{"shift_px", {moved->shift_px.x(), moved->shift_px.y()}},
+                      {"turn_deg", moved->turn_rad * kDegPerRad},
+                      {"scale", moved->scale},
+                      {"rest_px", moved->rest_px}}
+               : Json(nullptr);
+}
+
 /// Median of a number that each pair may have.
 std::optional<double> median_of(const Json& pairs, const char* key) {
   std::vector<double> values;
@@ -266,6 +274,7 @@ Json inspection_json(const InspectedPair& pair) {
     row["simulated"] = seen_json(pair.simulated.defects[i]);
     row["real"] = seen_json(pair.real.defects[i]);
   }
+  result["moved"] = moved_json(pair.moved);
   result["notes"] = pair.notes;
   return result;
 }

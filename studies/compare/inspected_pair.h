@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "core/thread_pool.h"
 #include "metrics/statistics/estimate.h"
 #include "studies/compare/compared_pair.h"
@@ -28,13 +30,25 @@ struct InspectedSide {
   std::vector<SeenDefect> defects;  ///< as InspectedPair::known
 };
 
+/// How the simulated part's mask and its defects' places were moved before the photograph was
+/// inspected there.
+struct MovedPlace {
+  Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  ///< of the middle of its edges
+  double turn_rad = 0.0;                               ///< about that, +x to +y (down)
+  double scale = 1.0;
+  double rest_px = 0.0;  ///< mean distance of the edges of both sides after that
+};
+
 struct InspectedPair {
-  std::vector<KnownDefect> known;
+  std::vector<KnownDefect> known;  ///< where the simulated picture has them
   InspectedSide simulated;
   InspectedSide real;
+  std::optional<MovedPlace> moved;  ///< empty: the edges do not tell; inspected without
   std::vector<std::string> notes;
 };
 
+/// The photograph is inspected where its edges have the part: as the outline's motion as a whole
+/// takes it there, or nearest edges do.
 /// @returns nothing where the simulated side has no truth, or none of its defects is in view
 /// @throws ConfigError, IoError
 std::optional<InspectedPair> inspect_pair(const ComparedPair& pair, ThreadPool& pool);

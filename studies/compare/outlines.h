@@ -37,6 +37,8 @@ struct PartOutline {
   ImageF coverage;                ///< of the refined outline; empty for kInner
 };
 
+inline constexpr double kMostlyShown = 0.6;  ///< OutlinePair::shown from which motions are sure
+
 struct OutlinePair {
   PartOutline simulated;
   PartOutline real;

@@ -211,7 +211,10 @@ PreparedPart prepare_part(const PicturedPart& source, const PartMasks& masks, Th
   part.notes = part.sequence.notes;
   Silhouette silhouette = find_silhouette(part.aspect, PartPieces::kAll);
   part.bright_from = silhouette.fault ? 0.0 : silhouette.threshold;
-  if (!masks.mask.empty()) {
+  if (masks.placed != nullptr) {
+    part.mask = *masks.placed;
+    part.mask_from = "design";
+  } else if (!masks.mask.empty()) {
     part.mask = read_mask(masks.mask, part.aspect.width(), part.aspect.height());
     part.mask_from = "file";
   } else if (!masks.reference.empty()) {

@@ -54,6 +54,7 @@ struct InspectedPart {
 struct PartMasks {
   std::filesystem::path mask;       ///< for all parts; empty: none
   std::filesystem::path reference;  ///< laid onto each part's silhouette; empty: none
+  const Mask* placed = nullptr;     ///< in the pictures' pixels, before all others; nullptr: none
 };
 
 /// A part's pictures with its mask, ready to be inspected.

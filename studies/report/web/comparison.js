@@ -162,6 +162,7 @@ function inspectionTable(pair) {
   const row = (defect) => h('tr', {}, h('td', {}, defect.label), sides.map((side) => h('td', { class: 'number' }, defect[side].found ? defect[side].found_as : 'missed')), sides.map((side) => h('td', { class: 'number' }, contrast(defect[side]))));
   const total = (side) => `${inspection[side].found} found, ${inspection[side].missed} missed, ${inspection[side].false_alarms} false alarms`;
   return h('div', {}, h('h4', {}, 'Inspection of both'), h('p', { class: 'lead' }, `Simulated: ${total('simulated')}. Photograph: ${total('real')}.`),
+    inspection.notes.length > 0 && h('ul', { class: 'notes' }, inspection.notes.map((note) => h('li', {}, note))),
     table(['defect', 'simulated', 'photograph', 'contrast simulated', 'contrast in the photograph'], inspection.defects.map(row)));
 }
 

@@ -8,9 +8,12 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "core/image/image_io.h"
+#include "core/units.h"
 #include "metrics/appearance/grey_match.h"
+#include "metrics/overlap/boundary.h"
 #include "metrics/overlap/region_overlap.h"
 #include "metrics/shape/equivalent_ellipse.h"
 #include "metrics/shape/silhouette.h"
@@ -24,6 +27,8 @@ constexpr double kFits = 0.6;
 constexpr double kInsideBetter = 0.25;     ///< of correlations within the part
 constexpr double kSameOutline = 0.02;      ///< by which its overlap may be less than as it is
 constexpr std::ptrdiff_t kInsidePx = 200;  ///< of the small pictures that tell anything
+constexpr int kLittleTurns = 24;           ///< each way, of so much: up to 12 degrees
+constexpr double kLittleTurn_rad = 0.5 * kRadPerDeg;
 
 struct Turn {
   const char* name;
@@ -118,41 +123,98 @@ InsideMatch inside_match(const SmallPart& first, const SmallPart& second) {
                                    : 0.0};
 }
 
-/// By whole pixels, over the edge what is next to it.
-ImageF moved(const ImageF& picture, int x_px, int y_px) {
-  ImageF result(picture.width(), picture.height());
-  for (int y = 0; y < picture.height(); ++y) {
-    for (int x = 0; x < picture.width(); ++x) {
-      result(x, y) = picture(std::clamp(x - x_px, 0, picture.width() - 1),
-                             std::clamp(y - y_px, 0, picture.height() - 1));
+/// Middles of the part in both pictures.
+struct PartMiddles {
+  Eigen::Vector2d first;
+  Eigen::Vector2d second;
+};
+
+std::optional<PartMiddles> middles_of(const Mask& first, const Mask& second) {
+  const auto there = moments_of(first);
+  const auto here = moments_of(second);
+  return there && here ? std::optional<PartMiddles>({.first = {there->x_px, there->y_px},
+                                                     .second = {here->x_px, here->y_px}})
+                       : std::nullopt;
+}
+
+/// The second picture, its part turned (+x to +y) about its middle and laid over that of the first;
+/// over the edge what is next to it.
+ImageF laid_over(const ImageF& second, const PartMiddles& middles, double turn_rad) {
+  const Eigen::Rotation2Dd back(-turn_rad);
+  ImageF result(second.width(), second.height());
+  for (int y = 0; y < second.height(); ++y) {
+    for (int x = 0; x < second.width(); ++x) {
+      const Eigen::Vector2d from_middle = Eigen::Vector2d(x + 0.5, y + 0.5) - middles.first;
+      result(x, y) = static_cast<float>(sample(second, middles.second + back * from_middle));
     }
   }
   return result;
 }
 
-/// The second picture with its part over that of the first: a symmetric part that lies elsewhere is
-/// not mirrored. As it is where one has no part.
-ImageF laid_over(const ImageF& first, const ImageF& second) {
-  const auto middle = [](const ImageF& picture) {
-    const Silhouette part = find_silhouette(picture, PartPieces::kAll);
-    return part.mask ? moments_of(*part.mask) : std::nullopt;
-  };
-  const auto there = middle(first);
-  const auto here = middle(second);
-  return there && here ? moved(second,
-                               static_cast<int>(std::lround(there->x_px - here->x_px)),
-                               static_cast<int>(std::lround(there->y_px - here->y_px)))
-                       : second;
+/// The best that the second part gives laid over the first one, turned by little: a symmetric part
+/// that lies elsewhere, or is turned a little, is not mirrored.
+/// @param match  of the motion that is a turn by some angle
+template <class Match>
+double best_little_turned(const Match& match) {
+  double best = 0.0;
+  for (int step = -kLittleTurns; step <= kLittleTurns; ++step) {
+    best = std::max(best, match(step * kLittleTurn_rad));
+  }
+  return best;
 }
 
 bool fits_shape(const Turn& turn, const ImageF& picture) {
   return !turn.swaps || picture.width() == picture.height();
 }
 
+std::optional<SmallPart> part_of(const ImageF& picture) {
+  Silhouette found = find_silhouette(picture, PartPieces::kAll);
+  return found.mask ? std::optional<SmallPart>({.grey = picture, .mask = *std::move(found.mask)})
+                    : std::nullopt;
+}
+
+/// As it is where one of the pictures has no part.
+double moved_correlation(const ImageF& first, const ImageF& second) {
+  const auto part = part_of(first);
+  const auto other = part_of(second);
+  const auto middles = part && other ? middles_of(part->mask, other->mask) : std::nullopt;
+  return middles ? best_little_turned([&](double turn_rad) {
+    return correlation_of(first, laid_over(second, *middles, turn_rad));
+  })
+                 : 0.0;
+}
+
+/// The same of what is on the parts.
+double moved_correlation(const SmallPart& first, const SmallPart& second) {
+  const auto middles = middles_of(first.mask, second.mask);
+  return middles ? best_little_turned([&](double turn_rad) {
+    const ImageF share = laid_over(coverage_of(second.mask), *middles, turn_rad);
+    SmallPart moved = {.grey = laid_over(second.grey, *middles, turn_rad),
+                       .mask = Mask(share.width(), share.height())};
+    std::ranges::transform(share.values(), moved.mask.values().begin(), [](float value) {
+      return static_cast<unsigned char>(value >= 0.5F ? 1 : 0);
+    });
+    return inside_match(first, moved).correlation;
+  })
+                 : 0.0;
+}
+
+/// Only where it beats the picture moved a little, too: that is looked at last, as it takes
+/// longest.
+/// @param moved  gives the correlation of the picture so moved
+template <class Moved>
+std::optional<BetterTurn> if_better_than(std::optional<BetterTurn> best,
+                                         double least,
+                                         const Moved& moved) {
+  if (best) {
+    best->correlation_as_is = std::max(best->correlation_as_is, moved());
+  }
+  return best && best->correlation > best->correlation_as_is + least ? best : std::nullopt;
+}
+
 /// By all of both pictures: outlines that are not symmetric decide.
 std::optional<BetterTurn> better_as_a_whole(const ImageF& first, const ImageF& second) {
-  const double as_is =
-      std::max(correlation_of(first, second), correlation_of(first, laid_over(first, second)));
+  const double as_is = correlation_of(first, second);
   std::optional<BetterTurn> best;
   for (const Turn& turn : kTurns) {
     if (!fits_shape(turn, second)) {
@@ -164,13 +226,8 @@ std::optional<BetterTurn> better_as_a_whole(const ImageF& first, const ImageF& s
       best = {.name = turn.name, .correlation = correlation, .correlation_as_is = as_is};
     }
   }
-  return best;
-}
-
-std::optional<SmallPart> part_of(const ImageF& picture) {
-  Silhouette found = find_silhouette(picture, PartPieces::kAll);
-  return found.mask ? std::optional<SmallPart>({.grey = picture, .mask = *std::move(found.mask)})
-                    : std::nullopt;
+  return if_better_than(
+      std::move(best), kClearlyBetter, [&] { return moved_correlation(first, second); });
 }
 
 /// By what is on the part, where turns leave its outline as it is.
@@ -181,9 +238,6 @@ std::optional<BetterTurn> better_inside(const ImageF& first, const ImageF& secon
     return std::nullopt;
   }
   const InsideMatch as_is = inside_match(*part, *other);
-  const auto over = part_of(laid_over(first, second));
-  const double correlation_as_is =
-      std::max(as_is.correlation, over ? inside_match(*part, *over).correlation : 0.0);
   std::optional<BetterTurn> best;
   for (const Turn& turn : kTurns) {
     if (!fits_shape(turn, second)) {
@@ -192,15 +246,16 @@ std::optional<BetterTurn> better_inside(const ImageF& first, const ImageF& secon
     const InsideMatch match =
         inside_match(*part, {.grey = turned(other->grey, turn), .mask = turned(other->mask, turn)});
     const double to_beat =
-        best ? best->correlation : std::max(correlation_as_is + kInsideBetter, kFits);
+        best ? best->correlation : std::max(as_is.correlation + kInsideBetter, kFits);
     if (match.overlap >= as_is.overlap - kSameOutline && match.correlation > to_beat) {
       best = {.name = turn.name,
               .correlation = match.correlation,
-              .correlation_as_is = correlation_as_is,
+              .correlation_as_is = as_is.correlation,
               .is_inside = true};
     }
   }
-  return best;
+  return if_better_than(
+      std::move(best), kInsideBetter, [&] { return moved_correlation(*part, *other); });
 }
 
 }  // namespace

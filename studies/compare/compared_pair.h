@@ -64,8 +64,8 @@ struct RegionAppearance {
 struct BetterTurn {
   std::string name;  ///< "mirrored from left to right", "turned by 180 degrees"
   double correlation = 0.0;
-  double correlation_as_is = 0.0;
-  bool is_inside = false;  ///< both are within the part, without the slope of its light
+  double correlation_as_is = 0.0;  ///< the better of that and of the part moved a little
+  bool is_inside = false;          ///< both are within the part, without the slope of its light
 };
 
 struct ComparedPair {

@@ -2,6 +2,7 @@
 //
 // What people will give `glint compare` by mistake.
 #include <algorithm>
+#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -113,6 +114,47 @@ TEST_F(BadInput, ASymmetricPartOnTheOtherSideOfTheMiddleIsNotMirrored) {
   EXPECT_FALSE(pair.better_turn.has_value()) << pair.better_turn->name;
 }
 
+ImageF mirrored_in_x(const ImageF& picture) {
+  return rearranged(picture, picture.width(), picture.height(), [](const ImageF& p, int x, int y) {
+    return p(p.width() - 1 - x, y);
+  });
+}
+
+/// A bar of 150 x 14 px with a bright line along it, turned by some degrees about the middle, and a
+/// lug of 28 px beside it near one end.
+ImageF turned_bar(double turn_deg, std::uint64_t index, bool has_lug = false) {
+  const double cosine = std::cos(turn_deg * std::numbers::pi / 180.0);
+  const double sine = std::sin(turn_deg * std::numbers::pi / 180.0);
+  ImageF picture = drawn(200, 160, [=](double x, double y) {
+    const double u = cosine * (x - 100.0) + sine * (y - 80.0);
+    const double v = cosine * (y - 80.0) - sine * (x - 100.0);
+    const double bar = std::fmax(std::abs(u) - 75.0, std::abs(v) - 7.0);
+    const double lug = std::fmax(std::abs(u - 50.0) - 14.0, std::abs(v + 20.0) - 14.0);
+    const double beyond = has_lug ? std::fmin(bar, lug) : bar;
+    const double share = 0.5 * std::erfc(beyond / (std::sqrt(2.0) * 0.6));
+    return 0.01 + share * (0.3 + 0.2 * std::exp(-0.1 * v * v));
+  });
+  add_normal_noise(picture, 0.004, index);
+  return picture;
+}
+
+// Mirrored it lies where the other one lies, but a turn by so little says the same with less. The
+// bar with a lug lies elsewhere however it is turned.
+TEST_F(BadInput, ASymmetricBarThatLiesAskewIsNotMirrored) {
+  for (const double turn_deg : {3.0, 4.3, 6.0, 8.0}) {
+    const auto simulated = write("simulated.png", turned_bar(-0.5 * turn_deg, 1));
+    const ComparedPair pair = compare(simulated, write("askew.png", turned_bar(0.5 * turn_deg, 2)));
+    EXPECT_FALSE(pair.better_turn.has_value())
+        << turn_deg << " " << pair.better_turn->name << " " << pair.better_turn->correlation << " "
+        << pair.better_turn->correlation_as_is;
+    const auto lugged = write("lugged.png", turned_bar(-0.5 * turn_deg, 1, true));
+    const ComparedPair other =
+        compare(lugged, write("mirrored.png", mirrored_in_x(turned_bar(-0.5 * turn_deg, 2, true))));
+    ASSERT_TRUE(other.better_turn.has_value()) << turn_deg;
+    EXPECT_EQ(other.better_turn->name, "mirrored from left to right");
+  }
+}
+
 /// A disc with marks to its right, whose outline no mirror changes; light falls off by `slope`.
 ImageF marked_disc(double slope, std::uint64_t index, double mark = 0.25) {
   ImageF picture = drawn(200, 160, [=](double x, double y) {
@@ -125,12 +167,6 @@ ImageF marked_disc(double slope, std::uint64_t index, double mark = 0.25) {
   });
   add_normal_noise(picture, 0.004, index);
   return picture;
-}
-
-ImageF mirrored_in_x(const ImageF& picture) {
-  return rearranged(picture, picture.width(), picture.height(), [](const ImageF& p, int x, int y) {
-    return p(p.width() - 1 - x, y);
-  });
 }
 
 TEST_F(BadInput, AMirroredOrTurnedPartWithASymmetricOutlineIsToldByItsInside) {

@@ -114,19 +114,24 @@ class CompareRun {
   }
 
   void check_folder() const {
-    std::vector<std::string> names = {"result.json", "report.html", "run.json", "refined.toml"};
+    const std::vector<std::string> files = {
+        "result.json", "report.html", "run.json", "refined.toml"};
+    std::vector<std::string> pairs;
     for (std::size_t i = 0; i < plan_.pairs.size(); ++i) {
-      names.push_back(pair_folder(i));
+      pairs.push_back(pair_folder(i));
     }
+    std::vector<std::string> names = files;
+    names.insert(names.end(), pairs.begin(), pairs.end());
     check_result_folder(out_, ResultKind::kCompare, names);
     const std::vector<std::string> earlier = earlier_pairs(out_);  // removed or replaced
-    names.insert(names.end(), earlier.begin(), earlier.end());
+    pairs.insert(pairs.end(), earlier.begin(), earlier.end());
     std::vector<fs::path> inputs = {
         options_.mask, options_.inputs.pairs, options_.calibration, options_.scene};
     for (const ComparePair& pair : plan_.pairs) {
       inputs.insert(inputs.end(), {pair.simulated.picture, pair.real.picture, pair.real_mask});
     }
-    check_inputs_kept(inputs, out_, names);
+    check_inputs_kept(inputs, out_, files);
+    check_inputs_kept_in_pairs(inputs, out_, pairs);
   }
 
   /// Pictures are large: as many pairs at a time as there are threads, each given up when its files

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/error.h"
 #include "studies/output/result_folder.h"
 #include "studies/output/staged_folder.h"
 
@@ -49,6 +50,25 @@ std::vector<std::string> earlier_pairs(const fs::path& out) {
     }
   }
   return names;
+}
+
+void check_inputs_kept_in_pairs(std::span<const fs::path> inputs,
+                                const fs::path& out,
+                                std::span<const std::string> pairs) {
+  for (const fs::path& input : inputs) {
+    for (const std::string& pair : pairs) {
+      for (const char* name : kPairFiles) {
+        std::error_code ignored;  // no such file: not read
+        if (!input.empty() && fs::equivalent(input, out / pair / name, ignored)) {
+          throw ConfigError(fmt::format(
+              "{}: is read, and lies where results are written: copy it to another folder or under "
+              "a name of your own, or choose another output folder than {}",
+              input.string(),
+              out.string()));
+        }
+      }
+    }
+  }
 }
 
 std::vector<fs::path> stale_files(const fs::path& out, const fs::path& stage) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -252,13 +253,35 @@ TEST_F(ComparedDesign, LeavesNothingOfAnEarlierComparison) {
   const ProgramResult refused = glint_in(
       folder_, {"compare", "run/winner", "out/pair_03/simulated.png", "--quiet", "--out", "out"});
   EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("lies where results are written"));
+  EXPECT_THAT(refused.err, HasSubstr("lies where results are written: copy it"));
   json_of(folder_, {"compare", "run/winner", real, "--out", "out"});
   EXPECT_TRUE(has("pair_01/overlay.png"));
   EXPECT_FALSE(has("pair_02"));
   EXPECT_FALSE(has("pair_03/overlay.png"));
   EXPECT_FALSE(has("pair_03/difference.exr"));
   EXPECT_TRUE(has("pair_03/mine.txt"));
+}
+
+TEST_F(ComparedDesign, TakesAPersonsPictureFromTheFolderOfAPair) {
+  const std::string real = "photo/baseline/image.tif";
+  const Json first = json_of(folder_, {"compare", "run/winner", real, real, "--out", "out"});
+  const std::vector<std::string> own = {"out/pair_01/mine.tif", "out/pair_02/mine.tif"};
+  for (const std::string& mine : own) {
+    std::filesystem::copy_file(folder_ / real, folder_ / mine);
+  }
+  for (const std::string& mine : own) {
+    const Json again = json_of(folder_, {"compare", "run/winner", mine, "--out", "out"});
+    EXPECT_EQ(again["pairs"][0]["iou"], first["pairs"][0]["iou"]);
+    EXPECT_EQ(read_file(folder_ / mine), read_file(folder_ / real));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/pair_02/overlay.png"));
+  for (const char* written : {"out/pair_01/overlay.png", "out/pair_01/../pair_01/simulated.png"}) {
+    const ProgramResult refused =
+        glint_in(folder_, {"compare", "run/winner", written, "--quiet", "--out", "out"});
+    EXPECT_EQ(refused.code, 2) << written;
+    EXPECT_THAT(refused.err, HasSubstr("choose another output folder than out")) << written;
+    EXPECT_TRUE(std::filesystem::exists(folder_ / written));
+  }
 }
 
 TEST_F(ComparedDesign, SaysWhyItHasNoGeometry) {

@@ -77,7 +77,8 @@ Json smallest_json(const SceneCoverage& covered,
   };
   return {{"median_um", 1e3 * at(0.5)},
           {"p95_um", 1e3 * at(0.95)},
-          {"worst_um", 1e3 * sizes.back().size_mm}};
+          {"worst_um", 1e3 * sizes.back().size_mm},
+          {"defect_px", settings.defect_px}};
 }
 
 const Json* find_in(const Json& json, const char* key) {

@@ -33,6 +33,36 @@ std::string choice_text(const Json& choice) {
              : " by branch and bound, which ended before all better choices were ruled out";
 }
 
+std::string smallest_text(const Json& smallest) {
+  return fmt::format(
+      "The smallest defect that is found is at most {:.3g} \u00b5m wide on half of the inspected "
+      "surface, {:.3g} \u00b5m on 95 % of it.",
+      smallest["median_um"].get<double>(),
+      smallest["p95_um"].get<double>());
+}
+
+/// What a defect must have to count as found, and that its contrast is not told place by place.
+std::string found_text(const Json& result) {
+  const auto width_px = result["smallest_defect"]["defect_px"].get<double>();
+  if (!result.contains("pod")) {
+    return fmt::format(
+        "Found means {:.3g} pixels wide in the finest view of the place (coverage.defect_px), "
+        "whatever the defect's contrast: no study of the probability of detection was given "
+        "(--pod).",
+        width_px);
+  }
+  const Json& pod = result["pod"];
+  return fmt::format(
+      "Found means {:.3g} pixels wide in the finest view of the place (coverage.defect_px), and as "
+      "large as what the design {} finds nine times of ten ({:.4g} \u00b5m, a pixel being {:.4g} "
+      "\u00b5m), in proportion to the pixel. That is one number for the whole surface: contrast "
+      "counts as on the parts of that study, and is not told place by place.",
+      width_px,
+      pod["design"].get<std::string>(),
+      1e3 * pod["a90_mm"].get<double>(),
+      pod["pixel_um"].get<double>());
+}
+
 std::vector<std::string> details(const Json& result) {
   std::vector<std::string> lines;
   if (const Json& gap = result["largest_gap"]; !gap.is_null()) {
@@ -45,11 +75,8 @@ std::vector<std::string> details(const Json& result) {
                     gap["mostly"].get<std::string>()));
   }
   if (const Json& smallest = result["smallest_defect"]; !smallest.is_null()) {
-    lines.push_back(fmt::format(
-        "The smallest defect that is found is at most {:.3g} \u00b5m wide on half of the "
-        "inspected surface, {:.3g} \u00b5m on 95 % of it.",
-        smallest["median_um"].get<double>(),
-        smallest["p95_um"].get<double>()));
+    lines.push_back(smallest_text(smallest));
+    lines.push_back(found_text(result));
   }
   if (result.contains("choice")) {
     const Json& choice = result["choice"];

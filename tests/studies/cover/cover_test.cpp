@@ -137,6 +137,9 @@ TEST_F(CoverStudy, WritesItsFiles) {
   EXPECT_EQ(page["coverage"]["pictures"].size(), 5U);
   EXPECT_THAT(page["verdict"]["sentence"].get<std::string>(),
               HasSubstr("92.3 % of the surface is inspected by 2 views"));
+  EXPECT_THAT(page["verdict"]["details"].dump(),
+              HasSubstr("Found means 3 pixels wide in the finest view of the place "
+                        "(coverage.defect_px), whatever the defect's contrast"));
   EXPECT_THAT(read_file(out / "study.resolved.toml"), HasSubstr("[coverage]"));
 }
 
@@ -229,6 +232,10 @@ TEST_F(CoverStudy, FollowsAStudyOfDetection) {
   const Json result = cover(kPlate, folder_ / "pod");
   EXPECT_EQ(result["pod"]["design"], "best");
   EXPECT_NEAR(result["smallest_defect"]["median_um"].get<double>(), 4000.0, 40.0);
+  EXPECT_THAT(
+      test::page_data(read_file(folder_ / "out/report.html"))["verdict"]["details"].dump(),
+      AllOf(HasSubstr("what the design best finds nine times of ten (2000 \u00b5m, a pixel being "),
+            HasSubstr("contrast counts as on the parts of that study")));
   const auto faces =
       covered_faces(read_file(folder_ / "out/coverage.ply"), result["points"].get<std::size_t>());
   const auto finest = std::ranges::max(faces, {}, &CoveredFace::smallest_um);

@@ -101,6 +101,22 @@ Expectations expectations_of(const Goal& goal,
   return expected;
 }
 
+Expectations with_exact_scores(const Goal& goal,
+                               std::span<const Trial> trials,
+                               std::span<const std::string> names,
+                               Expectations expected) {
+  const std::vector<Objective> objectives = objectives_of(goal);
+  for (auto& [number, row] : expected) {
+    const Scores& seen = trials[static_cast<std::size_t>(number - 1)].outcome->scores;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      if (std::ranges::find(names, objectives[k].name) != names.end()) {
+        row[k] = {.mean = seen.at(objectives[k].name), .sd = 0.0};
+      }
+    }
+  }
+  return expected;
+}
+
 std::vector<int> finalists_of(const Goal& goal,
                               const SearchSpace& space,
                               std::span<const Trial> trials,

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "optimizer/algorithm/answer.h"
@@ -28,6 +29,13 @@ bool tells_noise(const Goal& goal, std::span<const Trial> trials);
 Expectations expectations_of(const Goal& goal,
                              std::span<const int> told,
                              std::span<const std::vector<Expectation>> rows);
+
+/// With the scores of these names as they were seen: a model that knows the designs around cannot
+/// know better what follows from the design alone.
+Expectations with_exact_scores(const Goal& goal,
+                               std::span<const Trial> trials,
+                               std::span<const std::string> names,
+                               Expectations expected);
 
 /// The trials of one objective that are most likely the best: feasible ones by what is expected of
 /// them, else by what was seen, the best first. Of two that differ by less than 1 % of the range in

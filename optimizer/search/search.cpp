@@ -249,19 +249,6 @@ class Search {
     report(trial(number));
   }
 
-  /// What the database does not keep: negative zeros, and gradients without an entry.
-  static void make_storable(Outcome& outcome) {
-    for (auto& [name, value] : outcome.scores) {
-      value += 0.0;
-    }
-    std::erase_if(outcome.gradients, [](const auto& entry) { return entry.second.empty(); });
-    for (auto& [name, gradient] : outcome.gradients) {
-      for (double& value : gradient) {
-        value += 0.0;
-      }
-    }
-  }
-
   void fail_unusable(const Point& point, Outcome& outcome) const {
     const std::string problem =
         outcome.is_failed ? "" : problem_with_outcome(task_, point, outcome);
@@ -387,9 +374,16 @@ class Search {
     return resolved_algorithm(task_.space, task_.settings, num_objectives(task_.goal));
   }
 
+  /// By rules 7 of what noisy scores are expected to be, where a model knows.
   void take_compromise(SearchResult& result) const {
     const Goal& goal = task_.goal;
-    result.trade_off = trade_off(goal, memory_.trials, memory_.reference);
+    const bool is_expected = task_.settings.is_noisy && task_.settings.rules > 6;
+    if (is_expected) {
+      result.expected =
+          with_exact_scores(goal, memory_.trials, task_.exact.names, std::move(result.expected));
+    }
+    result.trade_off = trade_off(
+        goal, memory_.trials, memory_.reference, is_expected ? result.expected : Expectations{});
     const TradeOff& found = *result.trade_off;
     if (!found.trials.empty()) {
       result.best = trial(found.trials[found.chosen]);

@@ -128,6 +128,11 @@ struct SearchResult {
   std::optional<TradeOff> trade_off;  ///< of several objectives
   Expectations expected = {};         ///< where scores are noisy and the algorithm has models
   int rules = kSearchRules;           ///< that it followed, SearchSettings::rules
+
+  /// What the front is made of; empty: of what was seen.
+  Expectations of_front() const {
+    return trade_off && trade_off->is_expected ? expected : Expectations{};
+  }
 };
 
 /// @param interrupt  nullptr, or how often the user interrupted: at 1 the running evaluations

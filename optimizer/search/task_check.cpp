@@ -55,4 +55,16 @@ std::string problem_with_outcome(const SearchTask& task,
   return problem;
 }
 
+void make_storable(Outcome& outcome) {
+  for (auto& [name, value] : outcome.scores) {
+    value += 0.0;
+  }
+  std::erase_if(outcome.gradients, [](const auto& entry) { return entry.second.empty(); });
+  for (auto& [name, gradient] : outcome.gradients) {
+    for (double& value : gradient) {
+      value += 0.0;
+    }
+  }
+}
+
 }  // namespace glint

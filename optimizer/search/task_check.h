@@ -17,4 +17,7 @@ std::string problem_with_outcome(const SearchTask& task,
                                  const Point& point,
                                  const Outcome& outcome);
 
+/// Removes what the database does not keep: negative zeros, and gradients without an entry.
+void make_storable(Outcome& outcome);
+
 }  // namespace glint

@@ -15,6 +15,8 @@ namespace {
 
 using Row = std::vector<double>;
 
+constexpr double kDeviationsPerHalf = 2.0;  // as objective_noise() has it of standard errors
+
 double sign_of(const Objective& objective) {
   return objective.is_maximised ? -1.0 : 1.0;
 }
@@ -36,16 +38,40 @@ bool is_inside(const Row& row, const Row& reference) {
   return true;
 }
 
-/// Derivatives by differences of the width of each score's own interval.
-double hypervolume_noise(const Goal& goal,
-                         const std::vector<const Trial*>& trials,
-                         const TradeOff& found) {
+/// A design as a front judges it: by what is expected where anything is, else by what was seen.
+struct Judged {
+  int trial = 0;
+  Row values;  ///< minimised objectives
+  Row halves;  ///< half the interval of each
+};
+
+std::optional<Judged> judged(const Goal& goal, const Trial& trial, const Expectations& expected) {
+  const auto known = expected.find(trial.number);
+  if (!is_on_offer(goal, trial) || (!expected.empty() && known == expected.end())) {
+    return std::nullopt;
+  }
+  const Scores& scores = trial.outcome->scores;
+  Judged row{.trial = trial.number, .values = minimised_objectives(goal, scores), .halves = {}};
   const std::vector<Objective> objectives = objectives_of(goal);
+  for (std::size_t i = 0; i < objectives.size(); ++i) {
+    if (expected.empty()) {
+      row.halves.push_back(objective_noise(objectives[i], scores));
+    } else {
+      row.values[i] = sign_of(objectives[i]) * known->second[i].mean;
+      row.halves.push_back(kDeviationsPerHalf * known->second[i].sd);
+    }
+  }
+  return row;
+}
+
+/// Derivatives by differences of the width of each score's own interval.
+/// @param halves  of each design of the front, Judged::halves
+double hypervolume_noise(const std::vector<Row>& halves, const TradeOff& found) {
   double sum = 0.0;
   std::vector<Row> moved = found.front;
   for (std::size_t k = 0; k < moved.size(); ++k) {
-    for (std::size_t i = 0; i < objectives.size(); ++i) {
-      const double noise = objective_noise(objectives[i], trials[k]->outcome->scores);
+    for (std::size_t i = 0; i < moved[k].size(); ++i) {
+      const double noise = halves[k][i];
       if (noise > 0.0) {
         moved[k][i] = found.front[k][i] + noise;
         const double change = hypervolume(moved, found.reference) - found.hypervolume;
@@ -59,11 +85,12 @@ double hypervolume_noise(const Goal& goal,
 
 std::string reason_of(const Goal& goal, const TradeOff& found) {
   const std::size_t count = found.front.size();
+  const std::string unbeaten = found.is_expected ? "that no other is expected to beat in everything"
+                                                 : "that no other beats in everything";
   if (count == 1) {
-    return "the only design that no other beats in everything";
+    return "the only design " + unbeaten;
   }
-  const std::string of =
-      " of the " + std::to_string(count) + " designs that no other beats in everything";
+  const std::string of = " of the " + std::to_string(count) + " designs " + unbeaten;
   if (goal.choice == ChoiceRule::kWeights) {
     return "gives up least by the weights" + of;
   }
@@ -128,26 +155,28 @@ std::vector<double> reference_of(const Goal& goal, std::span<const Trial> design
 
 TradeOff trade_off(const Goal& goal,
                    std::span<const Trial> trials,
-                   const std::vector<double>& reference) {
-  TradeOff found{.reference = reference.empty() ? reference_of(goal, trials) : reference};
+                   const std::vector<double>& reference,
+                   const Expectations& expected) {
+  TradeOff found{.reference = reference.empty() ? reference_of(goal, trials) : reference,
+                 .is_expected = !expected.empty()};
+  std::vector<Judged> offered;
   std::vector<Row> rows;
-  std::vector<const Trial*> on_offer;
   for (const Trial& trial : trials) {
-    if (is_on_offer(goal, trial)) {
-      rows.push_back(minimised_objectives(goal, trial.outcome->scores));
-      on_offer.push_back(&trial);
+    if (const std::optional<Judged> one = judged(goal, trial, expected)) {
+      rows.push_back(one->values);
+      offered.push_back(*one);
     }
   }
-  std::vector<const Trial*> on_front;
+  std::vector<Row> halves;
   for (const std::size_t row : front_of(rows)) {
-    on_front.push_back(on_offer[row]);
-    found.trials.push_back(on_offer[row]->number);
+    halves.push_back(offered[row].halves);
+    found.trials.push_back(offered[row].trial);
     found.front.push_back(rows[row]);
     found.outside += is_inside(rows[row], found.reference) ? 0 : 1;
   }
   if (!found.front.empty()) {
     found.hypervolume = hypervolume(found.front, found.reference);
-    found.noise = hypervolume_noise(goal, on_front, found);
+    found.noise = hypervolume_noise(halves, found);
     found.chosen = compromise_of(found.front, front_choice_of(goal));
     found.reason = reason_of(goal, found);
   }
@@ -171,7 +200,8 @@ std::optional<int> expected_best(const Goal& goal,
 
 std::vector<double> hypervolume_history(const Goal& goal,
                                         std::span<const Trial> trials,
-                                        const std::vector<double>& reference) {
+                                        const std::vector<double>& reference,
+                                        const Expectations& expected) {
   std::vector<Row> front;
   std::vector<double> history;
   double volume = 0.0;
@@ -179,8 +209,8 @@ std::vector<double> hypervolume_history(const Goal& goal,
     if (!trial.outcome) {
       continue;
     }
-    if (is_on_offer(goal, trial)) {
-      front.push_back(minimised_objectives(goal, trial.outcome->scores));
+    if (const std::optional<Judged> one = judged(goal, trial, expected)) {
+      front.push_back(one->values);
       std::vector<Row> kept;
       const std::vector<std::size_t> indices = front_of(front);
       const bool is_gain = !indices.empty() && indices.back() + 1 == front.size();

@@ -13,21 +13,24 @@
 #include "optimizer/algorithm/answer.h"
 #include "optimizer/problem/goal.h"
 #include "optimizer/problem/trial.h"
+#include "optimizer/search/expectations.h"
 
 namespace glint {
 
-/// The front of feasible designs; empty where there is none.
+/// The front of feasible designs; empty where there is none. Limits are judged by what was seen.
 struct TradeOff {
   std::vector<int> trials;                 ///< numbers, in the order of asking
   std::vector<std::vector<double>> front;  ///< objectives of each
   std::vector<double> reference;           ///< one number per objective
   double hypervolume = 0.0;                ///< in the product of the scores' units; 0 without front
   /// Half the interval of the hypervolume that follows from those of the scores on the front
-  /// (objective_noise()), as if they were independent, to first order; 0 without any.
+  /// (objective_noise()), as if they were independent, to first order; 0 without any. Where
+  /// is_expected, from the standard deviations of what is expected.
   double noise = 0.0;
-  std::size_t chosen = 0;  ///< index into trials of the compromise
-  std::string reason;      ///< why it was chosen, for people; empty without a front
-  int outside = 0;         ///< designs of the front that are not better than the reference in all
+  std::size_t chosen = 0;    ///< index into trials of the compromise
+  std::string reason;        ///< why it was chosen, for people; empty without a front
+  int outside = 0;           ///< designs of the front that are not better than the reference in all
+  bool is_expected = false;  ///< made of what a model expects, not of what evaluations have shown
 };
 
 /// Where the hypervolume is measured from: the references of the goal and, for objectives without
@@ -38,9 +41,12 @@ std::vector<double> reference_of(const Goal& goal, std::span<const Trial> design
 
 /// @param trials     those without an outcome count for nothing
 /// @param reference  one number per objective; empty: that of the trials themselves
+/// @param expected   what counts instead of the scores; a trial without any is not on the front.
+///                   Empty: there is no model
 TradeOff trade_off(const Goal& goal,
                    std::span<const Trial> trials,
-                   const std::vector<double>& reference);
+                   const std::vector<double>& reference,
+                   const Expectations& expected = {});
 
 /// The feasible trial whose one objective is expected to be the best, where a model smooths what
 /// evaluations with noise have shown; of equal ones the first. Empty: there is none.
@@ -51,10 +57,11 @@ std::optional<int> expected_best(const Goal& goal,
                                  std::span<const int> told,
                                  std::span<const std::vector<Expectation>> expected);
 
-/// Hypervolume after each evaluated trial, in their order.
+/// Hypervolume after each evaluated trial, in their order. @param expected  as of trade_off()
 std::vector<double> hypervolume_history(const Goal& goal,
                                         std::span<const Trial> trials,
-                                        const std::vector<double>& reference);
+                                        const std::vector<double>& reference,
+                                        const Expectations& expected = {});
 
 /// The reference that a search has recorded; empty: none yet.
 std::vector<double> recorded_reference(std::span<const Event> events);

@@ -112,12 +112,27 @@ int drop_thumbnails(Json& data, std::size_t max_bytes) {
   return dropped;
 }
 
+/// The database holds what was seen, not what a model expected of it.
+void take_expected_front(const Json& result, Json& front) {
+  front["designs"] = result["front"];
+  for (const char* name : {"hypervolume", "reference", "chosen"}) {
+    front[name] = result[name];
+  }
+  for (const char* name : kOfExpected) {
+    front[name] = result["front_expected"][name];
+  }
+  front["is_expected"] = true;
+}
+
 }  // namespace
 
 void add_front_to_page(const fs::path& run,
                        const Json& result,
                        const Closeups& closeups,
                        Json& front) {
+  if (result.contains("front_expected")) {
+    take_expected_front(result, front);
+  }
   for (Json& design : front["designs"]) {
     for (const Json& told : result.value("front", Json::array())) {
       if (told["trial"] == design["trial"] &&

@@ -3,6 +3,7 @@
 // What a page shows of a front, and how it stays small.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -16,6 +17,10 @@ namespace glint {
 /// What a page with a front may take.
 inline constexpr std::size_t kMaxPageBytes = 30'000'000;
 
+/// Of a front of expected values, what `front_expected` of result.json keeps for its page.
+inline constexpr std::array<const char*, 4> kOfExpected = {
+    "noise", "outside", "history", "noise_history"};
+
 /// Close-ups of the defects of a design, from its folder and its mean image.
 using Closeups = std::function<nlohmann::ordered_json(const std::filesystem::path& folder,
                                                       const ImageF& aspect)>;
@@ -23,9 +28,10 @@ using Closeups = std::function<nlohmann::ordered_json(const std::filesystem::pat
 /// Adds to a front what the run has found with fresh seeds (add_rescored(), judge_front(); its
 /// summary as `rescored`), and to each design what its folder holds: `aspect` or `thumbnail`
 /// (base64 PNG), `drawing` (SVG), `closeups` and `notes` as in studies/report/report.h. A design
-/// without a folder has none of these.
+/// without a folder has none of these. Where the run had its front of expected values, it is that
+/// front.
 /// @param result  the object of the run's result.json
-/// @param front   of plan_front()
+/// @param front   of plan_front(), as the database tells it
 /// @throws IoError
 void add_front_to_page(const std::filesystem::path& run,
                        const nlohmann::ordered_json& result,

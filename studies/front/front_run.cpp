@@ -8,6 +8,7 @@
 
 #include "core/log.h"
 #include "studies/front/front_designs.h"
+#include "studies/front/front_page.h"
 #include "studies/front/front_probability.h"
 #include "studies/output/read_json.h"
 
@@ -66,6 +67,11 @@ void add_front_to_result(const Json& front, Json& result) {
   result["front"] = front["designs"];
   for (const char* name : {"hypervolume", "reference", "chosen"}) {
     result[name] = front[name];
+  }
+  if (front.contains("is_expected")) {
+    for (const char* name : kOfExpected) {
+      result["front_expected"][name] = front[name];
+    }
   }
 }
 

@@ -108,6 +108,11 @@ std::vector<Finding> findings_on_front(const Json& data) {
     findings.push_back(
         {"front_range", fmt::format("The front has {} designs, {}.", count, join(ranges, ", "))});
   }
+  if (member(front, "is_expected") == Json(true)) {
+    findings.push_back({"front_expected",
+                        "As single evaluations are noisy, the front is of what the search's model "
+                        "expects of its designs, not of what was seen of them."});
+  }
   say_fresh(front, findings);
   say_compromise(front, findings);
   if (const auto outside = number_of(front, "outside"); outside && *outside > 0.0) {

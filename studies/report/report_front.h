@@ -3,6 +3,7 @@
 // What a verdict says of a front. Private to the module.
 //
 //   front_range           from where to where its designs go in each objective
+//   front_expected        it is of what the search's model expects, not of what was seen
 //   front_holds           with fresh seeds none of its designs is beaten by another
 //   front_shrinks         with fresh seeds some are, or miss a limit: which
 //   compromise_dominated  the chosen design is one of them

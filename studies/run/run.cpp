@@ -330,7 +330,7 @@ class Run {
   }
 
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
-    front_ = search.trade_off ? front_json(study_, storage, search.expected) : Json();
+    front_ = search.trade_off ? front_json(study_, storage, search) : Json();
     writing_.emplace(study_.name + ": writing", writing_steps(), options_.progress);
     const Json baseline = write(
         "baseline", study_.scene, head("Baseline", "baseline", baseline_variables_json(study_)));

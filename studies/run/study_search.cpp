@@ -67,11 +67,24 @@ Json design_of_front(const Study& study, const Trial& trial) {
           {"errors", errors}};
 }
 
+/// What a search under noise has its front of, beside what was seen. @param row  one an objective
+void take_expected(const Study& study, const std::vector<Expectation>& row, Json& design) {
+  Json searched = Json::object();
+  const std::vector<Objective> objectives = objectives_of(study.goal);
+  for (std::size_t k = 0; k < objectives.size(); ++k) {
+    Json& score = design["scores"][objectives[k].name];
+    searched[objectives[k].name] = score;
+    score = row[k].mean;
+  }
+  design["searched"] = std::move(searched);
+}
+
 /// [evaluations, half the interval of the hypervolume] at some places, the last one among them:
 /// each costs a hypervolume for every number of the front.
 Json noise_history(const Study& study,
                    const std::vector<Trial>& trials,
-                   const std::vector<double>& reference) {
+                   const std::vector<double>& reference,
+                   const Expectations& of_front) {
   std::vector<Trial> done;
   std::ranges::copy_if(trials, std::back_inserter(done), [](const Trial& trial) {
     return trial.outcome.has_value();
@@ -83,12 +96,12 @@ Json noise_history(const Study& study,
   Json list = Json::array();
   for (const std::size_t place : places) {
     const auto first = std::span<const Trial>(done).first(place);
-    list.push_back({place, trade_off(study.goal, first, reference).noise});
+    list.push_back({place, trade_off(study.goal, first, reference, of_front).noise});
   }
   return list;
 }
 
-/// What a search of one objective knows beside its trials.
+/// What a search knows beside its trials.
 struct Judged {
   const Expectations& expected;
   int winner = 0;
@@ -158,7 +171,7 @@ std::optional<KindFinalist> finalist_of(SceneStore& store,
                                         const Judged& judged) {
   KindFinalist finalist;
   if (has_several_objectives(study.goal)) {
-    finalist.front = trade_off(study.goal, of_kind, reference);
+    finalist.front = trade_off(study.goal, of_kind, reference, judged.expected);
   }
   const Trial* best = best_of(study, of_kind, finalist.front, judged);
   std::optional<Scores> fresh =
@@ -224,7 +237,8 @@ std::vector<KindFinalist> kind_finalists(SceneStore& store,
                                          const std::vector<double>& reference,
                                          const Judged& judged) {
   const bool is_front = has_several_objectives(study.goal);
-  const TradeOff whole = is_front ? trade_off(study.goal, trials, reference) : TradeOff{};
+  const TradeOff whole =
+      is_front ? trade_off(study.goal, trials, reference, judged.expected) : TradeOff{};
   const std::vector<std::string>& choices = study.space.variables[use].choices;
   std::vector<KindFinalist> finalists;
   for (std::size_t kind = 0; kind < choices.size(); ++kind) {
@@ -276,9 +290,11 @@ Json baseline_variables_json(const Study& study) {
   return json;
 }
 
-Json front_json(const Study& study, const Storage& storage, const Expectations& expected) {
+Json front_json(const Study& study, const Storage& storage, const SearchResult& search) {
   const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
-  const TradeOff found = trade_off(study.goal, trials, recorded_reference(storage.events()));
+  const Expectations of_front = search.of_front();
+  const TradeOff found =
+      trade_off(study.goal, trials, recorded_reference(storage.events()), of_front);
   const std::vector<double> reference = in_score_units(study.goal, found.reference);
   const std::vector<Objective> objectives = objectives_of(study.goal);
   Json json = {{"objectives", Json::array()}, {"designs", Json::array()}};
@@ -295,14 +311,19 @@ Json front_json(const Study& study, const Storage& storage, const Expectations& 
   for (const int number : found.trials) {
     const Trial& trial = trials[static_cast<std::size_t>(number - 1)];
     json["designs"].push_back(design_of_front(study, trial));
-    if (const auto row = expected.find(number); row != expected.end()) {
-      json["designs"].back()["expected"] = expected_json(study, trial, row->second, exact);
+    const auto row = search.expected.find(number);
+    if (row == search.expected.end()) {
+      continue;
+    }
+    json["designs"].back()["expected"] = expected_json(study, trial, row->second, exact);
+    if (found.is_expected) {
+      take_expected(study, row->second, json["designs"].back());
     }
   }
   json["hypervolume"] = found.hypervolume;
   json["noise"] = found.noise;
-  json["history"] = hypervolume_history(study.goal, trials, found.reference);
-  json["noise_history"] = noise_history(study, trials, found.reference);
+  json["history"] = hypervolume_history(study.goal, trials, found.reference, of_front);
+  json["noise_history"] = noise_history(study, trials, found.reference, of_front);
   json["reference"] = at;
   json["outside"] = found.outside;
   json["chosen"] = nullptr;
@@ -310,6 +331,9 @@ Json front_json(const Study& study, const Storage& storage, const Expectations& 
     json["chosen"] = {{"trial", found.trials[found.chosen]},
                       {"by", choice_rule_name(study.goal.choice)},
                       {"reason", found.reason}};
+  }
+  if (found.is_expected) {
+    json["is_expected"] = true;
   }
   plan_front(study.goal, json);
   return json;
@@ -388,7 +412,9 @@ Json kinds_of_search(SceneStore& store,
                            study,
                            storage.trials(TrialKind::kSearch),
                            recorded_reference(storage.events()),
-                           study.search.is_noisy ? search.expected : Expectations{},
+                           has_several_objectives(study.goal) ? search.of_front()
+                           : study.search.is_noisy            ? search.expected
+                                                              : Expectations{},
                            search.best->number);
 }
 

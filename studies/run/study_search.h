@@ -40,7 +40,10 @@ nlohmann::ordered_json baseline_variables_json(const Study& study);
 ///   designs      the front, [ { trial, variables, scores: { name: value } of objectives and
 ///                limited scores, errors: { name: standard error } of those objectives that have
 ///                one, expected: { name: { value, sd } } of those that noise moves and a model
-///                knows, contribution, shown, folder: see plan_front() } ]
+///                knows, searched: { name: value } where is_expected,
+///                contribution, shown, folder: see plan_front() } ]
+///   is_expected  true where the front is of what is expected (SearchResult::of_front()): scores
+///                of objectives are that, and `searched` is what was seen; else absent
 ///   hypervolume, noise   and half the width of its interval (TradeOff)
 ///   history      hypervolume after each evaluation
 ///   noise_history  [ [evaluations, noise] ] at some of them
@@ -48,11 +51,11 @@ nlohmann::ordered_json baseline_variables_json(const Study& study);
 ///   outside      designs that are not better than the reference in every objective
 ///   chosen       { trial, by: the choice's rule, reason }; null without a front
 ///
-/// @param study     with several objectives
-/// @param expected  SearchResult::expected; empty: there is no model
+/// @param study   with several objectives
+/// @param search  whose expectations count; of none without a model
 nlohmann::ordered_json front_json(const Study& study,
                                   const Storage& storage,
-                                  const Expectations& expected = {});
+                                  const SearchResult& search = {});
 
 /// The finalists of a search that chooses among kinds of light (lighting_use is a variable): of
 /// each kind the best design, feasible ones first, scored once more with fresh random numbers and
@@ -60,7 +63,7 @@ nlohmann::ordered_json front_json(const Study& study,
 /// objectives it is the compromise of the kind's own front.
 /// @param trials     of the search
 /// @param reference  of several objectives: recorded_reference(); empty: that of the trials
-/// @param expected   of one noisy objective, by which the best is taken; empty: by what was seen
+/// @param expected   of noisy objectives, by which the best is taken; empty: by what was seen
 /// @param winner     the number of the search's best trial, which stands for its kind; 0: none
 /// @return [ { lighting_use, trial, variables, scores: as the search saw them, rescored: { .. },
 ///           feasible: whether the rescored ones keep all limits, of several objectives

@@ -3,7 +3,7 @@
 import { axisStyle, chart, encode, kHalo, kInk, kText, valueLabel } from './charts.js';
 import { closeupFigure } from './cards.js';
 import { badge, h, picture, pngUrl, section, svg, svgNode } from './dom.js';
-import { chosenText, panelsOf, setLine, staircase } from './front_words.js';
+import { chosenText, frontWords, panelsOf, setLine, staircase } from './front_words.js';
 import { isDone, isGood, isNumber, number, percent, plural, shortNames, stateOf } from './format.js';
 import { discs, follow, Overlay, wash } from './overlay.js';
 import { order } from './table.js';
@@ -26,6 +26,7 @@ class Members {
     this.byTrial = new Map(this.designs.map((design) => [design.trial, design]));
     this.trials = new Map(facts.trials.map((trial) => [trial.number, trial]));
     this.chosen = facts.front.chosen?.trial ?? null;
+    this.words = frontWords(facts.front);
     this.winner = facts.designs.find((design) => facts.role(design) === 'winner' && design.trial === this.chosen);
   }
 
@@ -36,13 +37,20 @@ class Members {
     return Object.fromEntries(this.facts.variables.map((variable, i) => [variable.name, values[i]]).filter(([, value]) => value !== null && value !== undefined));
   }
 
-  /** Of the search, with errors where there are any. */
+  /** As the search saw it, with errors where there are any. */
   searched(number) {
     const design = this.byTrial.get(number);
     const trial = this.trials.get(number);
     const own = { ...trial?.scores, ...(isNumber(trial?.objective) && { [this.facts.objective.name]: trial.objective }) };
     for (const [name, error] of Object.entries(design?.errors ?? {})) own[`${name}.error`] = error;
     return own;
+  }
+
+  /** ", expected 81 % ± 2 %" of a design of a front that is made of it. */
+  expected(number, name) {
+    const design = this.byTrial.get(number);
+    const value = this.facts.front.is_expected ? design?.expected?.[name] : null;
+    return value ? `, expected ${this.facts.scoreWithError(name, { [name]: value.value, [`${name}.error`]: value.sd })}` : '';
   }
 
   fresh(number) {
@@ -64,7 +72,7 @@ class Members {
 function pointText(facts, members, { trial, design }) {
   const scores = trial ? members.searched(trial.number) : design.scores;
   const head = trial ? `<b>evaluation ${trial.number}</b>, ${[stateOf(trial), members.byTrial.has(trial.number) && 'on the front'].filter(Boolean).join(', ')}` : `<b>${encode(facts.title(design))}</b>`;
-  const lines = [head, ...[...facts.objectives, ...facts.constraints].map(({ name }) => `${encode(facts.label(name))}: ${facts.scoreWithError(name, scores)}`)];
+  const lines = [head, ...[...facts.objectives, ...facts.constraints].map(({ name }) => `${encode(facts.label(name))}: ${facts.scoreWithError(name, scores)}${trial ? members.expected(trial.number, name) : ''}`)];
   if (trial) facts.names.slice(0, 10).forEach((name, i) => lines.push(`${encode(name)}: ${encode(number(trial.values?.[i]))}`));
   return lines.join('<br>');
 }
@@ -119,7 +127,12 @@ class FrontChart {
   }
 
   placeOf(scores, panel) { return [scores?.[panel.x.name], scores?.[panel.y.name]]; }
-  point(trial, panel) { return [this.facts.scoreOf(trial, panel.x.name), this.facts.scoreOf(trial, panel.y.name)]; }
+
+  /** Where a trial is drawn: of the front what the front is made of. */
+  point(trial, panel) {
+    const design = this.members.byTrial.get(trial.number);
+    return design ? this.placeOf(design.scores, panel) : [this.facts.scoreOf(trial, panel.x.name), this.facts.scoreOf(trial, panel.y.name)];
+  }
 
   /** The designs beside the search: baseline and prototypes, as the search would score them. */
   others() { return this.facts.designs.filter((design) => this.facts.role(design) !== 'winner'); }
@@ -131,7 +144,7 @@ class FrontChart {
     const infeasible = this.done.filter((trial) => !isGood(trial));
     return this.panels.flatMap((panel, k) => [
       { ...common(k, 'infeasible'), name: 'not feasible', symbol: 'triangle', symbolSize: 5, itemStyle: { color: 'transparent', borderColor: kOrange, borderWidth: 1, opacity: 0.5 }, data: infeasible.map(item(panel)) },
-      { ...common(k, 'beaten'), name: 'beaten in everything', symbol: 'circle', symbolSize: 6, itemStyle: { color: kGrey, opacity: 0.75 }, data: beaten.map(item(panel)) },
+      { ...common(k, 'beaten'), name: this.members.words.beaten, symbol: 'circle', symbolSize: 6, itemStyle: { color: kGrey, opacity: 0.75 }, data: beaten.map(item(panel)) },
       ...this.linkSeries(panel, k), ...this.freshSeries(panel, k),
       { ...common(k, 'front'), name: 'front', symbol: 'circle', symbolSize: 10, itemStyle: { color: kBlue }, z: 5, data: this.frontData(panel) },
       { ...common(k, 'others'), name: 'baseline and prototypes', symbol: 'rect', symbolSize: 10, itemStyle: { color: kInk, borderColor: '#fff', borderWidth: 1 }, z: 6, labelLayout: { hideOverlap: true },
@@ -175,7 +188,7 @@ class FrontChart {
     const again = this.members.designs.some((design) => design.rescored);
     const entries = [[mark(disc(5, kBlue)), 'front'], [mark(svg('path', { d: 'M0-7L7 0L0 7L-7 0Z', fill: kBlue })), 'compromise'],
       again && [mark(disc(4.5, 'none', kOrange)), 'with fresh seeds'], again && [mark(svg('path', { d: 'M-5-5L5 5M-5 5L5-5', stroke: kOrange, 'stroke-width': 2.2 })), 'beaten then, or beyond a limit'],
-      [mark(disc(4, kGrey)), 'beaten in everything'], this.done.some((trial) => !isGood(trial)) && [mark(svg('path', { d: 'M0-5L5 4L-5 4Z', fill: 'none', stroke: kOrange, 'stroke-width': 1.4 })), 'not feasible'],
+      [mark(disc(4, kGrey)), this.members.words.beaten], this.done.some((trial) => !isGood(trial)) && [mark(svg('path', { d: 'M0-5L5 4L-5 4Z', fill: 'none', stroke: kOrange, 'stroke-width': 1.4 })), 'not feasible'],
       this.others().length > 0 && [mark(svg('rect', { x: -5, y: -5, width: 10, height: 10, fill: kInk })), 'baseline and prototypes'], [mark(disc(7, 'none', kOrange)), 'looked at']];
     return h('p', { class: 'legend front-legend' }, entries.filter(Boolean).map(([icon, text]) => h('span', {}, icon, ' ', text)));
   }
@@ -350,7 +363,7 @@ class Detail {
     const line = design ? '' : setLine(members.variablesOf(what));
     this.node.replaceChildren(
       h('h3', {}, title),
-      h('p', { class: 'badges' }, design ? badge(facts.role(design), facts.roleName(design)) : members.badges(number).map(([kind, text]) => badge(kind, text)), !design && !members.byTrial.has(what) && badge('neutral', 'beaten in everything')),
+      h('p', { class: 'badges' }, design ? badge(facts.role(design), facts.roleName(design)) : members.badges(number).map(([kind, text]) => badge(kind, text)), !design && !members.byTrial.has(what) && badge('neutral', members.words.beaten)),
       h('div', { class: 'detail-columns' }, h('div', {}, this.pictures(own, title)),
         h('div', {}, this.scores(design ? design.scores : members.searched(what), design ? design.rescored : members.fresh(what)),
           isNumber(probability) && h('p', { class: 'muted' }, `Beaten by none of the designs scored again: probability ${Math.round(100 * probability)}\u00a0%, by their errors.`),
@@ -402,9 +415,10 @@ class FrontTable {
   makeColumns() {
     const { facts, members } = this;
     const isTotal = facts.front.hypervolume > 0;
-    const scored = (name) => [{ name, heading: facts.label(name), meaning: facts.meaning(name), value: (one) => one.scores[name], text: (one) => facts.scoreWithError(name, { ...one.scores, [`${name}.error`]: one.errors?.[name] }) },
+    const seen = (one) => one.searched ?? one.scores;
+    const scored = (name) => [{ name, heading: facts.label(name), meaning: facts.meaning(name), value: (one) => seen(one)[name], text: (one) => facts.scoreWithError(name, { ...seen(one), [`${name}.error`]: one.errors?.[name] }) },
       members.designs.some((one) => isNumber(one.expected?.[name]?.value)) && { name: `${name} expected`, heading: `${facts.label(name)}, expected`, meaning: `${facts.meaning(name)}\nexpected by the model of all evaluations, with its standard deviation`, value: (one) => one.expected?.[name]?.value, text: (one) => (one.expected?.[name] ? facts.scoreWithError(name, { [name]: one.expected[name].value, [`${name}.error`]: one.expected[name].sd }) : '\u2013') },
-      members.designs.some((one) => isNumber(one.rescored?.[name]) && one.rescored[name] !== one.scores[name]) && { name: `${name} fresh`, heading: `${facts.label(name)}, fresh seeds`, meaning: `${facts.meaning(name)}\nscored again with fresh seeds`, value: (one) => one.rescored?.[name], text: (one) => (one.rescored ? facts.scoreWithError(name, members.fresh(one.trial)) : '\u2013') }];
+      members.designs.some((one) => isNumber(one.rescored?.[name]) && one.rescored[name] !== seen(one)[name]) && { name: `${name} fresh`, heading: `${facts.label(name)}, fresh seeds`, meaning: `${facts.meaning(name)}\nscored again with fresh seeds`, value: (one) => one.rescored?.[name], text: (one) => (one.rescored ? facts.scoreWithError(name, members.fresh(one.trial)) : '\u2013') }];
     return [
       { name: 'trial', heading: '#', value: (one) => one.trial, text: (one) => String(one.trial) },
       ...facts.objectives.flatMap(({ name }) => scored(name)),
@@ -453,7 +467,7 @@ export function frontSections(facts, selection) {
   const view = new FrontChart(facts, members, selection);
   const gallery = new Gallery(facts, members, selection);
   const again = members.designs.some((design) => design.rescored);
-  const lead = `Blue: the ${plural(members.designs.length, 'design')} that no other one beats in everything, the compromise as a diamond${facts.objectives.length === 2 ? '; the line bounds what they reach' : ''}. Grey: evaluations that one of them beats in everything.${again ? ' Open orange circles: the same designs with fresh seeds, crosses where one is beaten then or misses a limit.' : ''} Click a point to look at it, drag a frame to choose.`;
+  const lead = `Blue: the ${plural(members.designs.length, 'design')} ${members.words.unbeaten}, the compromise as a diamond${facts.objectives.length === 2 ? '; the line bounds what they reach' : ''}. Grey: ${members.words.rest}.${again ? ' Open orange circles: the same designs with fresh seeds, crosses where one is beaten then or misses a limit.' : ''} Click a point to look at it, drag a frame to choose.`;
   const table = new FrontTable(facts, members, selection);
   return [
     section('front', 'The front', lead, h('p', { class: 'toolbar screen-only' }, h('label', { class: 'inline' }, view.full, ' Show the full range'), view.clear),
@@ -469,6 +483,7 @@ export function hypervolumeSection(facts) {
   if (history.length < 2) return null;
   const noise = (facts.front.noise_history ?? []).filter(([at]) => at >= 1 && at <= history.length);
   const again = facts.front.rescored;
+  const words = frontWords(facts.front);
   const hasOwn = noise.some(([, half]) => half > 0);
   const part = !hasOwn && isNumber(again?.noise) && again.hypervolume > 0 ? again.noise / again.hypervolume : 0;
   const hasNoise = hasOwn || part > 0;
@@ -494,7 +509,7 @@ export function hypervolumeSection(facts) {
         renderItem: (_, api) => ({ type: 'polygon', shape: { points: [...band.map(([x, , high]) => api.coord([x, high])), ...band.map(([x, low]) => api.coord([x, Math.max(0, low)])).reverse()] }, style: { fill: kBlue, opacity: 0.2 } }) }] : []),
     ],
   });
-  const notes = ['What the front encloses with the reference, in the product of the scores\u2019 units; more is better.', hasOwn ? 'The band is what the scores\u2019 own errors make of it.' : part > 0 ? 'The band is the share that the errors of the designs scored again make of it.' : 'The scores tell no error of their own, so that there is no band.',
+  const notes = ['What the front encloses with the reference, in the product of the scores\u2019 units; more is better.' + words.history, hasOwn ? `The band is what ${words.band}.` : part > 0 ? 'The band is the share that the errors of the designs scored again make of it.' : 'The scores tell no error of their own, so that there is no band.',
     again && isNumber(again.hypervolume) && again.searched > 0 && `The ${plural(again.designs, 'design')} scored again enclose ${number(again.searched, 3)} by the search and ${number(again.hypervolume, 3)}${isNumber(again.noise) && again.noise > 0 ? ` \u00b1 ${percent(again.noise / again.hypervolume)}` : ''} with fresh seeds.`];
   return section('hypervolume', 'Hypervolume', notes.filter(Boolean).join(' '), chart(300, 'Hypervolume against evaluations', 0, option));
 }

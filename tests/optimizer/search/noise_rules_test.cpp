@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Where rules 6 take noise into account and earlier ones do not: what counts as a gain of
-// hypervolume and as reaching a target, and what models know of intervals.
+// hypervolume and as reaching a target, and what models know of intervals. Where rules 7 do: what
+// the front of several objectives is made of.
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "optimizer/front/front.h"
 #include "tests/optimizer/search/searching.h"
 
 namespace glint {
@@ -87,6 +89,114 @@ TEST(NoiseRules, ModelsKnowIntervalsOfScoresWithoutErrors) {
   EXPECT_EQ(asked_with_interval(0.0, 5), asked_with_interval(0.2, 5));
   EXPECT_EQ(asked_with_interval(0.0, 5), asked_with_interval(0.0, kSearchRules));
   EXPECT_NE(asked_with_interval(0.0, kSearchRules), asked_with_interval(0.2, kSearchRules));
+}
+
+const Goal kTwoScores = {.objective = {.name = "f1", .is_maximised = false},
+                         .constraints = {{.name = "limit", .max = 1.0}},
+                         .more_objectives = {{.name = "f2", .is_maximised = true}}};
+
+Trial seen(int number, double f1, double f2, double limit = 0.0) {
+  return {.number = number,
+          .point = {},
+          .outcome = Outcome{.scores = {{"f1", f1}, {"f2", f2}, {"limit", limit}}}};
+}
+
+/// The second is the lucky one. Nothing is expected of the third, the fourth is beyond the limit.
+TEST(ExpectedFront, IsOfWhatIsExpectedAndNotOfTheLuckyOne) {
+  const std::vector<Trial> trials = {
+      seen(1, 0.5, 0.5), seen(2, 0.1, 0.9), seen(3, 0.05, 0.95), seen(4, 0.0, 1.0, 2.0)};
+  const Expectations expected = {
+      {1, {{0.5, 0.01}, {0.5, 0.0}}}, {2, {{0.6, 0.1}, {0.4, 0.1}}}, {4, {{0.0, 0.1}, {1.0, 0.1}}}};
+  const std::vector<double> reference = {1.0, 0.0};
+  EXPECT_EQ(trade_off(kTwoScores, trials, reference).trials, (std::vector<int>{3}));
+  const TradeOff found = trade_off(kTwoScores, trials, reference, expected);
+  EXPECT_TRUE(found.is_expected);
+  EXPECT_EQ(found.trials, (std::vector<int>{1}));
+  EXPECT_EQ(found.front[0], (std::vector<double>{0.5, -0.5}));
+  EXPECT_DOUBLE_EQ(found.hypervolume, 0.25);
+  EXPECT_NEAR(found.noise, 0.02 * 0.5, 1e-12) << "f1 by two standard deviations";
+  EXPECT_EQ(found.reason, "the only design that no other is expected to beat in everything");
+  EXPECT_THAT(hypervolume_history(kTwoScores, trials, reference, expected),
+              testing::ElementsAre(0.25, 0.25, 0.25, 0.25));
+}
+
+TEST(ExpectedFront, WhatFollowsFromADesignIsNotModelled) {
+  const std::vector<Trial> trials = {seen(1, 0.5, 0.25)};
+  const std::vector<std::string> exact = {"f2"};
+  const Expectations known =
+      with_exact_scores(kTwoScores, trials, exact, {{1, {{0.4, 0.1}, {0.2, 0.1}}}});
+  EXPECT_EQ(known.at(1)[0].mean, 0.4);
+  EXPECT_EQ(known.at(1)[0].sd, 0.1);
+  EXPECT_EQ(known.at(1)[1].mean, 0.25);
+  EXPECT_EQ(known.at(1)[1].sd, 0.0);
+}
+
+/// Of two bowls side by side the first design is far from both; it is seen as better than any,
+/// which its error tells.
+SearchResult search_beside_bowls(const TemporaryFolder& folder,
+                                 bool is_noisy,
+                                 int evaluations,
+                                 int rules) {
+  const SearchTask task = {
+      .space = test::box(2, 0, 1),
+      .settings = {.algorithm = "gp", .is_noisy = is_noisy, .rules = rules},
+      .goal = {.objective = {.name = "f1", .is_maximised = false, .reference = 2.0},
+               .constraints = {},
+               .more_objectives = {{.name = "f2", .is_maximised = false, .reference = 2.0}}},
+      .budget = {.evaluations = evaluations},
+      .start_points = {{0.5, 1.0}}};
+  return test::search_into(folder, task, [](const Point& p, int trial) {
+    const double off = 4.0 * std::pow(p[1] - 0.2, 2);
+    const bool is_lucky = trial == 1;
+    const double error = is_lucky ? 3.0 : 0.02;
+    return Outcome{.scores = {{"f1", is_lucky ? -1.0 : std::pow(p[0] - 0.2, 2) + off},
+                              {"f2", is_lucky ? -1.0 : std::pow(p[0] - 0.8, 2) + off},
+                              {"f1.error", error},
+                              {"f2.error", error}}};
+  });
+}
+
+TEST(ExpectedFront, ALuckyEvaluationIsNotChosenByRules7) {
+  const TemporaryFolder folder;
+  const SearchResult result = search_beside_bowls(folder, true, 30, kSearchRules);
+  const TradeOff& found = *result.trade_off;
+  EXPECT_TRUE(found.is_expected);
+  EXPECT_GT(found.trials.size(), 2U);
+  EXPECT_THAT(found.trials, testing::Not(testing::Contains(1)));
+  EXPECT_EQ(result.best->number, found.trials[found.chosen]);
+  for (std::size_t k = 0; k < found.trials.size(); ++k) {
+    EXPECT_EQ(found.front[k][0], result.expected.at(found.trials[k])[0].mean);
+  }
+}
+
+/// Also goes on as it began: rules 7 ask what rules 6 ask.
+TEST(ExpectedFront, ARunByRules6IsGoneOnWithAndReportedByWhatWasSeen) {
+  const TemporaryFolder begun;
+  search_beside_bowls(begun, true, 20, 6);
+  const SearchResult resumed = search_beside_bowls(begun, true, 30, kSearchRules);
+  EXPECT_EQ(resumed.rules, 6);
+  EXPECT_FALSE(resumed.trade_off->is_expected);
+  EXPECT_EQ(resumed.trade_off->trials, (std::vector<int>{1}));
+  EXPECT_EQ(resumed.best->number, 1);
+  EXPECT_EQ(resumed.trade_off->reason, "the only design that no other beats in everything");
+  const TemporaryFolder fresh;
+  search_beside_bowls(fresh, true, 30, kSearchRules);
+  const std::vector<Trial> earlier = Storage::read(begun / "s.sqlite").trials(TrialKind::kSearch);
+  const std::vector<Trial> now = Storage::read(fresh / "s.sqlite").trials(TrialKind::kSearch);
+  ASSERT_EQ(earlier.size(), now.size());
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    EXPECT_EQ(earlier[k].point, now[k].point);
+  }
+}
+
+/// Also where scores tell errors, of which models make expectations.
+TEST(ExpectedFront, WithoutNoiseItIsOfWhatWasSeen) {
+  const TemporaryFolder folder;
+  const SearchResult result = search_beside_bowls(folder, false, 20, kSearchRules);
+  EXPECT_FALSE(result.expected.empty());
+  EXPECT_FALSE(result.trade_off->is_expected);
+  EXPECT_TRUE(result.of_front().empty());
+  EXPECT_EQ(result.best->number, 1);
 }
 
 }  // namespace

@@ -91,6 +91,13 @@ TEST(FrontVerdict, TellsWhatTheFrontSpans) {
   EXPECT_EQ(finding(data, "front_range"), "");
 }
 
+TEST(FrontVerdict, TellsThatTheFrontIsOfExpectedValues) {
+  EXPECT_EQ(finding(trade(), "front_expected"), "");
+  Json data = trade();
+  data["front"]["is_expected"] = true;
+  EXPECT_THAT(finding(data, "front_expected"), HasSubstr("model expects of its designs"));
+}
+
 TEST(FrontVerdict, SaysWhetherTheFrontHoldsWithFreshSeeds) {
   EXPECT_THAT(finding(trade(), "front_holds"), HasSubstr("of 3 designs of the front none"));
   Json data = trade();

@@ -10,7 +10,7 @@ import { pathToFileURL } from 'node:url';
 const source = (name) => import(pathToFileURL(join(process.argv[2], 'studies/report/web', name)).href);
 const { count, Facts, measured, number, percent, shortNames } = await source('format.js');
 const { parseFilter } = await source('filter.js');
-const { chosenText, logTicks, panelsOf, setLine, staircase, ticks } = await source('front_words.js');
+const { chosenText, frontWords, logTicks, panelsOf, setLine, staircase, ticks } = await source('front_words.js');
 const { ranked, rankedTogether } = await source('verdict.js');
 const { Selection } = await source('selection.js');
 
@@ -54,6 +54,11 @@ assert.equal(chosenText({ front: {} }), '');
 assert.match(chosenText({ front: { probability_best: [{ title: 'Evaluation 5', probability: 0.84 }, { title: 'Half', probability: 0.16 }, { title: 'Other', probability: 0.001 }] } }),
   /for all: Evaluation 5 84\u00a0%, Half 16\u00a0%\.$/);
 assert.match(chosenText({ front: { probability_best_unknown: 'how far noise moves h of Half is not known' } }), /No probability of being the compromise is told: how far .* not known\.$/);
+
+// Of what the front is.
+assert.match(frontWords({}).unbeaten, /^that no other one beats in everything$/);
+assert.match(frontWords({ is_expected: true }).unbeaten, /^that no other one is expected to beat in everything, where the search\u2019s model/);
+assert.equal(frontWords({ is_expected: true }).rest, 'the other evaluations, as they were seen');
 
 // Runs that are not comparable have a table each, ordered by their own objective.
 const runs = [{ title: 'a', group: 0, objective: { name: 'h', sense: 'maximise' } }, { title: 'b', group: 1, objective: { name: 'width', sense: 'minimise' } }, { title: 'c', group: 0 }];

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "optimizer/front/front.h"
+#include "optimizer/storage/storage.h"
 #include "studies/run/run.h"
 #include "studies/run/run_report.h"
 #include "tests/studies/run/rendered_plate.h"
@@ -105,35 +106,67 @@ TEST(FrontRun, TheResultHoldsTheFrontAndTheChosenDesign) {
   EXPECT_NEAR(sum, 1.0, 1e-9);
 }
 
-/// Scores of the lighting follow from settings: noise does not move them.
-TEST(FrontRun, OfNoisyObjectivesTellsWhatTheModelExpects) {
-  const TemporaryFolder folder;
+/// Of three objectives. Scores of the lighting follow from settings: noise does not move them.
+Json noisy_run_into(const TemporaryFolder& folder) {
   const std::string text = std::string(kTinyTunnel) +
                            "[[objective]]\nminimise = \"lighting.width_mm\"\n[search]\nnoisy = "
                            "true\n";
   write_file(folder / "study.toml", text);
   const Study study = load_study(folder / "study.toml", {});
-  const Json result = run_study(study,
-                                {.out = folder / "out",
-                                 .threads = 2,
-                                 .jobs = 1,
-                                 .progress = Progress::Style::kNone,
-                                 .log_file = {}});
+  return run_study(study,
+                   {.out = folder / "out",
+                    .threads = 2,
+                    .jobs = 1,
+                    .progress = Progress::Style::kNone,
+                    .log_file = {}});
+}
+
+TEST(FrontRun, OfNoisyObjectivesTheFrontIsOfWhatTheModelExpects) {
+  const TemporaryFolder folder;
+  const Json result = noisy_run_into(folder);
   ASSERT_FALSE(result.at("front").empty());
+  const std::vector<Trial> trials =
+      Storage::read(folder / "out/study.sqlite").trials(TrialKind::kSearch);
   for (const Json& design : result.at("front")) {
     const Json& expected = design.at("expected");
     EXPECT_EQ(expected.size(), 2U);
     EXPECT_FALSE(expected.contains("lighting.width_mm"));
     EXPECT_GT(expected.at("homogeneity.h_rms").at("sd").get<double>(), 0.0);
-    EXPECT_NEAR(expected.at("homogeneity.h_rms").at("value").get<double>(),
-                design.at("scores").at("homogeneity.h_rms").get<double>(),
-                0.2);
+    const Scores& seen =
+        trials[static_cast<std::size_t>(design.at("trial").get<int>() - 1)].outcome->scores;
+    for (const char* name : {"homogeneity.h_rms", "defects.min_cnr"}) {
+      EXPECT_EQ(design.at("scores").at(name), expected.at(name).at("value"));
+      EXPECT_EQ(design.at("searched").at(name).get<double>(), seen.at(name));
+    }
+    EXPECT_EQ(design.at("scores").at("lighting.width_mm").get<double>(),
+              seen.at("lighting.width_mm"));
   }
-  const Json shown = report_data({folder / "out"}).at("front").at("designs");
-  for (std::size_t k = 0; k < shown.size(); ++k) {
-    EXPECT_EQ(shown[k].at("expected"), result.at("front")[k].at("expected"));
+  EXPECT_THAT(result.at("chosen").at("reason").get<std::string>(), HasSubstr("expected to beat"));
+  EXPECT_EQ(result.at("best").at("trial"), result.at("chosen").at("trial"));
+  const Json calm = run_into(folder, "calm", 12);
+  EXPECT_FALSE(calm.at("front")[0].contains("expected"));
+  EXPECT_FALSE(calm.at("front")[0].contains("searched"));
+  EXPECT_FALSE(calm.contains("front_expected"));
+}
+
+/// The database alone tells what was seen.
+TEST(FrontRun, TheReportOfANoisyRunHasTheFrontOfTheRun) {
+  const TemporaryFolder folder;
+  const Json result = noisy_run_into(folder);
+  const Json data = report_data({folder / "out"});
+  const Json& front = data.at("front");
+  EXPECT_EQ(front.at("is_expected"), true);
+  ASSERT_EQ(front.at("designs").size(), result.at("front").size());
+  for (std::size_t k = 0; k < front.at("designs").size(); ++k) {
+    EXPECT_EQ(front.at("designs")[k].at("scores"), result.at("front")[k].at("scores"));
+    EXPECT_EQ(front.at("designs")[k].at("searched"), result.at("front")[k].at("searched"));
   }
-  EXPECT_FALSE(run_into(folder, "calm", 12).at("front")[0].contains("expected"));
+  EXPECT_EQ(front.at("chosen"), result.at("chosen"));
+  EXPECT_EQ(front.at("hypervolume"), result.at("hypervolume"));
+  EXPECT_EQ(front.at("history").size(), 12U);
+  EXPECT_DOUBLE_EQ(front.at("history").back().get<double>(), front.at("hypervolume").get<double>());
+  EXPECT_EQ(front.at("noise_history").back(), Json({12, front.at("noise")}));
+  EXPECT_THAT(data.at("verdict").dump(), HasSubstr("front_expected"));
 }
 
 TEST(FrontRun, TheReportHasTheFrontWithItsHistory) {

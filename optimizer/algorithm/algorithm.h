@@ -65,7 +65,8 @@ namespace glint {
 ///    hypervolume is one that is larger than its noise; a target is reached where gp expects so;
 ///    gp knows the intervals of scores that have no standard error, and of many designs keeps the
 ///    front.
-/// 7: under noise the front of several objectives, and what is chosen of it, is of expected values.
+/// 7: under noise the front of several objectives, and what is chosen of it, is of expected values;
+///    gp is asked whether it expects the target only where that may be new.
 inline constexpr int kSearchRules = 7;
 
 /// Repeated points in a row after which a space counts as fully sampled.

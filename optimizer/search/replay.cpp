@@ -240,6 +240,7 @@ bool is_sure_gain(const Goal& goal, const Scores& scores, SearchMemory& memory) 
 }  // namespace
 
 void SearchMemory::note_ask(int number) {
+  told_before_batch = tells.size();
   if (number > num_known) {
     num_known = number;
     num_idle = 0;
@@ -379,6 +380,7 @@ void replay(const SearchTask& task, const Storage& storage, SearchMemory& memory
         replay_ask(event, computed.contains(num_asks++), memory);
         break;
       case EventKind::kModel:
+        memory.note_model();
         if (is_restored) {
           memory.algorithm->restore_model(event.objectives);
         }

@@ -4,9 +4,11 @@
 // module.
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,12 +36,21 @@ struct SearchMemory {
       surely_best;                ///< the last told one that beat the one before by more than noise
   int num_design = 0;             ///< evaluations that fix the reference
   std::vector<double> reference;  ///< of several objectives; empty: not fixed yet
-  std::vector<int> surely_gained;  ///< of several: feasible ones that added to the hypervolume
+  std::vector<int> surely_gained;     ///< of several: feasible ones that added to the hypervolume
+  std::size_t told_before_batch = 0;  ///< tells before the last batch was asked
+  std::optional<std::size_t> told_before_model;  ///< tells before models had their last parameters
 
   Trial& trial(int number) { return trials[static_cast<std::size_t>(number - 1)]; }
 
   /// Counts an ask of this trial and puts it in flight.
   void note_ask(int number);
+
+  /// The models have other parameters from the next ask on.
+  void note_model() { told_before_model = tells.size(); }
+
+  /// Whether models were given other parameters for the last batch.
+  bool has_new_model() const { return told_before_model == told_before_batch; }
+
   /// Tells the oldest trial in flight what it gave. @return the event that says so
   Event tell_next(const Goal& goal);
   /// Fixes the reference of several objectives once the initial design is told.

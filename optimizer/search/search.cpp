@@ -116,19 +116,33 @@ class Search {
     return task_.goal.objective.is_maximised ? value >= target : value <= target;
   }
 
-  bool has_reached_target() const {
-    if (!task_.budget.target || !memory_.best) {
+  /// As it was seen.
+  bool reaches_target(const Trial& told) const {
+    return !told.outcome->is_failed && is_feasible(task_.goal, told.outcome->scores) &&
+           reaches_target(told.outcome->scores.at(task_.goal.objective.name));
+  }
+
+  bool has_reached_target() {
+    if (!task_.budget.target || !memory_.best || !reaches_target(trial(*memory_.best))) {
       return false;
     }
-    const Scores& scores = trial(*memory_.best).outcome->scores;
-    return is_feasible(task_.goal, scores) &&
-           reaches_target(scores.at(task_.goal.objective.name)) &&
-           (!task_.settings.is_noisy || task_.settings.rules < 6 || is_target_expected());
+    return !task_.settings.is_noisy || task_.settings.rules < 6 ||
+           (may_expect_target() && is_target_expected());
+  }
+
+  /// Whether the model can have come to expect the target by the last batch: one of its designs was
+  /// seen to reach it, or the model has other parameters. By rules 6 it is asked after every batch.
+  /// Follows from the log, so that a search that was cut up ends where a whole one does.
+  bool may_expect_target() const {
+    const auto batch = std::span(memory_.tells).subspan(memory_.told_before_batch);
+    return task_.settings.rules < 7 || algorithm_name() != "gp" || memory_.has_new_model() ||
+           std::ranges::any_of(batch, [this](int n) { return reaches_target(trial(n)); });
   }
 
   /// Whether the model expects it of the best design, which one lucky evaluation does not make; of
   /// methods without models nothing else is known.
-  bool is_target_expected() const {
+  bool is_target_expected() {
+    ++result_.target_questions;
     const std::vector<std::vector<Expectation>> rows = memory_.algorithm->expected_objectives();
     const auto best = expected_best(task_.goal, memory_.trials, memory_.tells, rows);
     return best ? expects_target(expectations_of(task_.goal, memory_.tells, rows), *best)
@@ -141,7 +155,7 @@ class Search {
   }
 
   /// Looked at between batches only, so that it does not depend on jobs or interruptions.
-  std::optional<Termination> ended() const {
+  std::optional<Termination> ended() {
     const Budget& budget = task_.budget;
     if (task_.review && is_interrupted()) {
       return Termination::kInterrupted;  // its end is to be reviewed, too
@@ -179,6 +193,9 @@ class Search {
       const std::optional<Point> point = memory_.algorithm->ask();
       for (Event& event : memory_.algorithm->take_events()) {
         look_at(event);
+        if (event.kind == EventKind::kModel) {
+          memory_.note_model();
+        }
         events.push_back(std::move(event));
       }
       if (!point) {
@@ -327,7 +344,7 @@ class Search {
     }
     result.reused = memory_.num_reused;
     result.seconds = seconds_before_ + seconds_since(start_);
-    result.best = best_seen();
+    result.best = best_seen(task_.goal, memory_.trials);
     const std::vector<std::vector<Expectation>> expected = expected_rows();
     result.expected = expectations_of(task_.goal, memory_.tells, expected);
     if (has_several_objectives(task_.goal)) {
@@ -340,17 +357,6 @@ class Search {
     result.is_feasible = result.best && is_feasible(task_.goal, result.best->outcome->scores);
     note_lucky_target(result);
     return result;
-  }
-
-  std::optional<Trial> best_seen() const {
-    std::optional<Trial> best;
-    for (const Trial& trial : memory_.trials) {
-      if (trial.outcome && !trial.outcome->is_failed &&
-          (!best || is_better(task_.goal, trial.outcome->scores, best->outcome->scores))) {
-        best = trial;
-      }
-    }
-    return best;
   }
 
   void note_lucky_target(SearchResult& result) const {

@@ -40,7 +40,8 @@ struct Budget {
   /// adds (by rules 6). 0: no limit.
   int stall = 0;
   /// Objective that a feasible design has to reach; of one only. Of a noisy one the model has to
-  /// expect it of the best design, where there is a model (by rules 6).
+  /// expect it of the best design, where there is a model (by rules 6); it is asked when a design
+  /// of the last batch was seen to reach it or the model has other parameters (by rules 7).
   std::optional<double> target;
   /// Not of the search: designs that race with fresh random numbers when it has ended; 0: none.
   /// Empty: as many as race_size() says.
@@ -118,8 +119,9 @@ struct SearchResult {
   bool is_feasible = false;
   int evaluations = 0;  ///< over all runs, failed ones included
   int failed = 0;
-  int reused = 0;    ///< times the algorithm asked for a design it already knew
-  int replayed = 0;  ///< evaluations that were found recorded when this run began
+  int reused = 0;            ///< times the algorithm asked for a design it already knew
+  int replayed = 0;          ///< evaluations that were found recorded when this run began
+  int target_questions = 0;  ///< times that a model was asked whether the target is expected
   double seconds = 0.0;
   std::string algorithm;  ///< the name that `auto` stood for
   /// Runs of the algorithm that had to be abandoned; derivatives that are not used; a reference

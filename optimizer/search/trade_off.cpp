@@ -183,6 +183,17 @@ TradeOff trade_off(const Goal& goal,
   return found;
 }
 
+std::optional<Trial> best_seen(const Goal& goal, std::span<const Trial> trials) {
+  const Trial* best = nullptr;
+  for (const Trial& trial : trials) {
+    if (has_scores(trial) &&
+        (best == nullptr || is_better(goal, trial.outcome->scores, best->outcome->scores))) {
+      best = &trial;
+    }
+  }
+  return best != nullptr ? std::optional(*best) : std::nullopt;
+}
+
 std::optional<int> expected_best(const Goal& goal,
                                  std::span<const Trial> trials,
                                  std::span<const int> told,

@@ -48,6 +48,9 @@ TradeOff trade_off(const Goal& goal,
                    const std::vector<double>& reference,
                    const Expectations& expected = {});
 
+/// The best one as it was seen; empty: none succeeded.
+std::optional<Trial> best_seen(const Goal& goal, std::span<const Trial> trials);
+
 /// The feasible trial whose one objective is expected to be the best, where a model smooths what
 /// evaluations with noise have shown; of equal ones the first. Empty: there is none.
 /// @param told      numbers of trials in the order of telling; one may be told again

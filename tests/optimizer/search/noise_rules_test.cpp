@@ -3,6 +3,7 @@
 // Where rules 6 take noise into account and earlier ones do not: what counts as a gain of
 // hypervolume and as reaching a target, and what models know of intervals. Where rules 7 do: what
 // the front of several objectives is made of.
+#include <atomic>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -38,17 +39,27 @@ TEST(NoiseRules, AGainOfAnExactObjectiveIsComparedWithTheNoiseOfTheVolume) {
 }
 
 /// A hill of 5 with a known error, that `lucky` (0: none) shows as 8.
-SearchResult search_for(double target, double error, int lucky, int rules) {
+SearchResult search_for(const TemporaryFolder& folder,
+                        double target,
+                        double error,
+                        int lucky,
+                        int rules,
+                        const std::atomic<int>* interrupt = nullptr,
+                        const OnEvaluation& progress = {}) {
   const SearchTask task = {.space = test::box(2, 0, 1),
                            .settings = {.algorithm = "gp", .is_noisy = true, .rules = rules},
                            .goal = {.objective = {.name = "gain"}},
                            .budget = {.evaluations = 40, .target = target}};
-  const TemporaryFolder folder;
   const auto evaluate = [=](const Point& p, int trial) {
     const double hill = 5.0 - 8.0 * (std::pow(p[0] - 0.3, 2) + std::pow(p[1] - 0.6, 2));
     return Outcome{.scores = {{"gain", trial == lucky ? 8.0 : hill}, {"gain.error", error}}};
   };
-  return test::search_into(folder, task, evaluate);
+  return test::search_into(folder, task, evaluate, interrupt, progress);
+}
+
+SearchResult search_for(double target, double error, int lucky, int rules) {
+  const TemporaryFolder folder;
+  return search_for(folder, target, error, lucky, rules);
 }
 
 TEST(NoiseRules, ATargetIsReachedByWhatIsExpectedAndNotByOneLuckyEvaluation) {
@@ -65,6 +76,31 @@ TEST(NoiseRules, ATargetIsReachedByWhatIsExpectedAndNotByOneLuckyEvaluation) {
   EXPECT_LT(true_one.evaluations, 40);
   EXPECT_TRUE(true_one.warnings.empty());
   EXPECT_GE(true_one.expected.at(true_one.best->number).front().mean, 4.5);
+}
+
+/// By rules 6 after each of the last 21 batches.
+TEST(NoiseRules, AfterALuckyEvaluationTheModelIsAskedOnlyWhereItMayHaveComeToExpectTheTarget) {
+  EXPECT_EQ(search_for(7.5, 3.0, 20, 6).target_questions, 21);
+  const SearchResult found = search_for(7.5, 3.0, 20, kSearchRules);
+  EXPECT_EQ(found.termination, Termination::kEvaluations);
+  EXPECT_GE(found.target_questions, 2);
+  EXPECT_LE(found.target_questions, 11);
+}
+
+/// When the model is asked follows from the log.
+TEST(NoiseRules, ASearchThatIsCutUpReachesItsTargetWhereAWholeOneDoes) {
+  const TemporaryFolder whole;
+  const SearchResult expected = search_for(whole, 4.9, 0.3, 10, kSearchRules);
+  const TemporaryFolder cut;
+  SearchResult result;
+  do {
+    std::atomic<int> interrupt = 0;
+    result = search_for(
+        cut, 4.9, 0.3, 10, kSearchRules, &interrupt, [&](const SearchProgress&) { interrupt = 1; });
+  } while (result.termination == Termination::kInterrupted);
+  EXPECT_EQ(result.termination, expected.termination);
+  EXPECT_EQ(result.evaluations, expected.evaluations);
+  EXPECT_EQ(test::events_and_points(cut), test::events_and_points(whole));
 }
 
 std::vector<Point> asked_with_interval(double half, int rules) {

@@ -332,7 +332,7 @@ std::vector<Bar> bars_of(const Results& results, const Results& development) {
   std::string why;
   const auto peak = mean_of_part(results, kLongPart, 1, &Result::peak_mb, why);
   bars.push_back(
-      {.what = "memory over 10,000 evaluations, MB" + why, .value = peak, .bound = 100.0});
+      {.what = "memory that 10,000 evaluations take, MB" + why, .value = peak, .bound = 100.0});
   return bars;
 }
 

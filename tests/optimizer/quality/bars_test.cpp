@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/optimizer/quality/memory_growth.h"
 #include "tests/optimizer/quality/optuna_peer.h"
 #include "tests/optimizer/quality/resampling.h"
 
@@ -131,6 +132,17 @@ TEST(Bars, JudgeTheMemoryOfALongSearch) {
   EXPECT_TRUE(is_met(bar_of(results, "memory")));
   results[kLongPart][1].peak_mb = 101.0;
   EXPECT_FALSE(is_met(bar_of(results, "memory")));
+}
+
+TEST(MemoryGrowth, CountsNeitherWhatIsThereNorWhatWasFreedBefore) {
+  const auto touched = [](std::size_t mb) { return std::vector<char>(mb << 20U, 'x'); };
+  const std::vector<char> there = touched(96);
+  EXPECT_EQ(touched(96).back(), there.back());
+  const MemoryGrowth growth;
+  EXPECT_LT(growth.mb(), 10.0);
+  EXPECT_EQ(touched(40).back(), there.back());
+  EXPECT_GT(growth.mb(), 36.0);
+  EXPECT_LT(growth.mb(), 70.0);
 }
 
 // Which peer is the best is not chosen by the seeds that judge.

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/optimizer/quality/judge.h"
 
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <ctime>
 #include <map>
@@ -14,6 +10,7 @@
 #include "core/error.h"
 #include "optimizer/algorithm/algorithm.h"
 #include "optimizer/front/front.h"
+#include "tests/optimizer/quality/memory_growth.h"
 #include "tests/optimizer/quality/optuna_peer.h"
 
 namespace glint::quality {
@@ -96,18 +93,12 @@ Result glint_search(const std::string& name,
   return result;
 }
 
-/// For its memory alone.
+/// For its memory alone, in a process that has run no other search.
 Result long_search(
     const std::string& name, Judge& judge, const Task& task, int instance, bool is_noisy) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    glint_search(name, judge, task, instance, is_noisy, kLongSearch);
-    ::_exit(0);
-  }
-  int status = 0;
-  rusage usage = {};
-  GLINT_CHECK(::wait4(child, &status, 0, &usage) == child && status == 0, "a search that ends");
-  return {.peak_mb = static_cast<double>(usage.ru_maxrss) / 1024.0};
+  const MemoryGrowth growth;
+  glint_search(name, judge, task, instance, is_noisy, kLongSearch);
+  return {.peak_mb = growth.mb()};
 }
 
 struct Budgeted {

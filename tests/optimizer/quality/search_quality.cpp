@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // usage: glint_search_quality --list
-//        glint_search_quality RESULTS [--fresh] [--seeds N] [--evaluations N] [PART ...]
+//        glint_search_quality RESULTS [--fresh] [--seeds N] [--evaluations N] [--alone] [PART ...]
 //        glint_search_quality RESULTS [--chosen_by FILE] --table
 //
 // Compares searches on noisy tasks whose optima are known. A part is TASK/NOISE/METHOD, like
@@ -9,9 +9,12 @@
 // searches that it holds already are not run again, so an interrupted run goes on. Development
 // seeds are 1, 2, ..; --fresh takes 1001, 1002, ... --table prints means and bars;
 // the peer to compare with is the best of the results in FILE (default: RESULTS). Parts whose peer
-// is not installed (Optuna) are left out with a word, and their bars are not shown.
+// is not installed (Optuna) are left out with a word, and their bars are not shown. The part whose
+// memory is judged is run by a process of its own, which --alone marks.
 // Exit: 0 all bars met, 1 one is missed or not shown, 2 wrong usage.
 #include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -36,6 +39,7 @@ struct Options {
   std::string chosen_by;
   bool is_fresh = false;
   bool is_table = false;
+  bool is_alone = false;
   int num_seeds = 0;  ///< 0: 30, of several objectives 20
   int evaluations = 300;
   std::vector<std::string> parts;
@@ -89,6 +93,29 @@ void run_part(const std::string& part, const Options& options, const Row& known)
   }
 }
 
+/// By this program anew, which has no memory of other parts.
+void run_part_alone(const std::string& part, const Options& options) {
+  std::vector<std::string> arguments = {"glint_search_quality", options.results, "--alone", part};
+  if (options.is_fresh) {
+    arguments.emplace_back("--fresh");
+  }
+  if (options.num_seeds > 0) {
+    arguments.insert(arguments.end(), {"--seeds", std::to_string(options.num_seeds)});
+  }
+  std::vector<char*> raw;
+  for (std::string& argument : arguments) {
+    raw.push_back(argument.data());
+  }
+  raw.push_back(nullptr);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execv("/proc/self/exe", raw.data());
+    ::_exit(127);
+  }
+  int status = 0;
+  GLINT_CHECK(::waitpid(child, &status, 0) == child && status == 0, "a search that ends");
+}
+
 int print_table(const Options& options) {
   const Results results = read_results(options.results);
   fmt::print(
@@ -134,6 +161,8 @@ Options parse(const std::vector<std::string>& arguments) {
       options.is_fresh = true;
     } else if (argument == "--table") {
       options.is_table = true;
+    } else if (argument == "--alone") {
+      options.is_alone = true;
     } else if (argument == "--chosen_by") {
       GLINT_CHECK(i + 1 < arguments.size(), "an option with a file");
       options.chosen_by = arguments[++i];
@@ -160,7 +189,7 @@ int run(const std::vector<std::string>& arguments) {
   const Options options = parse(arguments);
   if (options.results.empty()) {
     std::cerr << "usage: glint_search_quality --list | RESULTS [--fresh] [--seeds N] "
-                 "[--evaluations N] [--table] [PART ...]\n";
+                 "[--evaluations N] [--alone] [--table] [PART ...]\n";
     return 2;
   }
   if (options.is_table) {
@@ -170,7 +199,11 @@ int run(const std::vector<std::string>& arguments) {
   for (const std::string& part : options.parts.empty() ? all_parts() : options.parts) {
     const auto found = known.find(part);
     try {
-      run_part(part, options, found == known.end() ? Row{} : found->second);
+      if (part == kLongPart && !options.is_alone) {
+        run_part_alone(part, options);
+      } else {
+        run_part(part, options, found == known.end() ? Row{} : found->second);
+      }
     } catch (const PeerMissing& missing) {
       std::cerr << part << " left out: " << missing.what() << "\n";
     }

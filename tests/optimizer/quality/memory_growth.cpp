@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/optimizer/quality/memory_growth.h"
+
+#include <fstream>
+#include <string>
+
+#include "core/error.h"
+
+namespace glint::quality {
+namespace {
+
+/// Of /proc/self/status: "VmHWM:   1234 kB".
+double status_mb(const std::string& field) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with(field + ":")) {
+      return std::stod(line.substr(field.size() + 1)) / 1024.0;
+    }
+  }
+  throw Error("/proc/self/status does not tell " + field);
+}
+
+}  // namespace
+
+MemoryGrowth::MemoryGrowth() {
+  std::ofstream("/proc/self/clear_refs") << "5";  // the largest resident set is the present one
+  start_mb_ = status_mb("VmRSS");
+}
+
+double MemoryGrowth::mb() const {
+  return status_mb("VmHWM") - start_mb_;
+}
+
+}  // namespace glint::quality

@@ -111,7 +111,7 @@ class Acquisition {
     if (devices_.stage != nullptr && devices_.stage->position() != position) {
       of_device(AcquisitionCause::kStage, [&] { devices_.stage->go_to(position); });
     }
-    for (; attempt <= options_.limits.most_retakes; ++attempt) {
+    for (; attempt <= options_.limits.max_retakes; ++attempt) {
       look_for_interrupt();
       TakenPicture picture = {.task = index, .position = position, .attempt = attempt};
       take_picture(picture);
@@ -188,7 +188,7 @@ class Acquisition {
       if (frame.is_complete()) {
         return frame;
       }
-      if (frame.status == FrameStatus::kRefused && ++refused < options_.most_refused) {
+      if (frame.status == FrameStatus::kRefused && ++refused < options_.max_refused) {
         look_for_interrupt();
         wait(kRefusedPauseS);
       } else if (frame.status == FrameStatus::kLost && !was_lost) {

@@ -71,7 +71,7 @@ struct AcquisitionOptions {
   PictureLimits limits;
   double still_timeout_s = 3.0;
   double reopen_s = 20.0;                       ///< for a camera that is lost
-  int most_refused = 20;                        ///< triggers of one picture
+  int max_refused = 20;                         ///< triggers of one picture
   const std::atomic<int>* interrupt = nullptr;  ///< above 0: the user wants it to end
 };
 

@@ -131,10 +131,10 @@ class ExpectedOutline {
   }
 
   /// Of the outline's pixels; those that leave the picture do not show.
-  double seen_share(int dx, int dy, double least_step) const {
+  double seen_share(int dx, int dy, double min_step) const {
     std::size_t seen = 0;
     for (const auto& [x, y] : pixels_) {
-      seen += step_at(x, y, dx, dy) >= least_step ? 1U : 0U;
+      seen += step_at(x, y, dx, dy) >= min_step ? 1U : 0U;
     }
     return pixels_.empty() ? 1.0 : static_cast<double>(seen) / static_cast<double>(pixels_.size());
   }
@@ -261,7 +261,7 @@ void visit_keys(KeyVisitor& keys, PictureLimits& limits) {
               limits.min_outline_share,
               Range::between(0, 1),
               "of the part's expected outline that must be seen");
-  keys.integer("most_retakes", limits.most_retakes, Range::between(0, 20), "of one picture");
+  keys.integer("most_retakes", limits.max_retakes, Range::between(0, 20), "of one picture");
 }
 
 double blur_limit_px(const PictureLimits& limits, double expected_blur_px) {
@@ -307,7 +307,7 @@ PictureFigures figures_of(const Frame& frame, const ExpectedPicture& expected, b
 std::string rejection_of(const PictureFigures& figures,
                          const PictureLimits& limits,
                          double sharpest,
-                         double most_blur_px) {
+                         double max_blur_px) {
   if (std::string fault = exposure_fault(figures, limits); !fault.empty()) {
     return fault;
   }
@@ -320,10 +320,10 @@ std::string rejection_of(const PictureFigures& figures,
                        100.0 * limits.min_outline_share);
   }
   // Last: edges beside a part that is not there are none of its outline.
-  if (most_blur_px > 0.0 && figures.edge_px && *figures.edge_px > most_blur_px) {
+  if (max_blur_px > 0.0 && figures.edge_px && *figures.edge_px > max_blur_px) {
     return fmt::format("blurred: its edges have a sigma of {:.1f} px, {:.1f} px is the most",
                        *figures.edge_px,
-                       most_blur_px);
+                       max_blur_px);
   }
   return {};
 }

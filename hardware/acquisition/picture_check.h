@@ -21,7 +21,7 @@ struct PictureLimits {
   double min_sharpness = 0.0;        ///< see PictureFigures; 0: none
   double max_blur_px = 0.0;          ///< sigma of a single picture's edges; 0: blur_limit_px()
   double min_outline_share = 0.5;    ///< of the expected outline that must be seen
-  int most_retakes = 2;              ///< of one picture
+  int max_retakes = 2;               ///< of one picture
 };
 
 void visit_keys(KeyVisitor& keys, PictureLimits& limits);
@@ -63,10 +63,10 @@ PictureFigures figures_of(const Frame& frame,
 
 /// Why a picture is not kept; empty: it is.
 /// @param sharpest       of the pictures of its sequence so far; 0: it is the first
-/// @param most_blur_px   blur_limit_px(); 0: none
+/// @param max_blur_px    blur_limit_px(); 0: none
 std::string rejection_of(const PictureFigures& figures,
                          const PictureLimits& limits,
                          double sharpest,
-                         double most_blur_px = 0.0);
+                         double max_blur_px = 0.0);
 
 }  // namespace glint

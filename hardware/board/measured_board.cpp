@@ -213,7 +213,7 @@ std::optional<BoardPlane> fine_plane(const PictureLevels& levels, const FittedBo
 }
 
 /// What keeps measured corners from being used: the view, refused, or as it is.
-BoardView judged(BoardView view, double most_blur) {
+BoardView judged(BoardView view, double max_blur) {
   if (view.contrast < std::max(kMinContrast, kMinNoises * view.noise)) {
     return refused_view(
         BoardOutcome::kDark,
@@ -221,12 +221,12 @@ BoardView judged(BoardView view, double most_blur) {
                     100.0 * view.contrast,
                     100.0 * view.noise));
   }
-  if (most_blur > kMaxBlur) {
+  if (max_blur > kMaxBlur) {
     return refused_view(
         BoardOutcome::kBlurred,
         fmt::format("edges are blurred by {:.0f} % of a square, at most {:.0f} % are "
                     "allowed",
-                    100.0 * most_blur,
+                    100.0 * max_blur,
                     100.0 * kMaxBlur));
   }
   return view;
@@ -280,18 +280,18 @@ BoardView judged_corners(const Board& board,
   BoardView view = {.outcome = BoardOutcome::kAccepted};
   std::vector<double> noises;
   std::vector<double> contrasts;
-  double most_blur = 0.0;
+  double max_blur = 0.0;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     view.board_mm.push_back(corner_mm(board, col_row[i].x(), col_row[i].y()));
     view.picture_px.push_back(fits[i].at_px);
     view.blur_px.push_back(fits[i].blur_px);
     noises.push_back(fits[i].noise);
     contrasts.push_back(fits[i].contrast);
-    most_blur = std::max(most_blur, fits[i].blur_px / clearance_px[i]);
+    max_blur = std::max(max_blur, fits[i].blur_px / clearance_px[i]);
   }
   view.noise = median(noises);
   view.contrast = median(contrasts);
-  return judged(std::move(view), most_blur);
+  return judged(std::move(view), max_blur);
 }
 
 BoardView measured_board(PictureLevels& levels,

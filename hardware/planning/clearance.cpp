@@ -52,7 +52,7 @@ bool is_within(const SolidBody& inner,
 }  // namespace
 
 double ClearanceCheck::Walk::floor_mm(const Pair& pair) const {
-  return pair.is_counted ? std::max(pair.margin_mm, kCloseShare * least_mm - kLookMm)
+  return pair.is_counted ? std::max(pair.margin_mm, kCloseShare * min_mm - kLookMm)
                          : pair.margin_mm;
 }
 
@@ -229,7 +229,7 @@ bool ClearanceCheck::goes_free(const Pair& pair, Walk& walk) const {
       return false;
     }
     if (there.is_exact && pair.is_counted) {
-      walk.least_mm = std::min(walk.least_mm, there.mm);
+      walk.min_mm = std::min(walk.min_mm, there.mm);
     }
     share += bound.share_within(there.mm - walk.floor_mm(pair));
   }
@@ -238,13 +238,13 @@ bool ClearanceCheck::goes_free(const Pair& pair, Walk& walk) const {
 
 Clearance ClearanceCheck::along(const JointVector& from_rad, const JointVector& to_rad) const {
   constexpr double kMiddle = 0.5;
-  Walk walk = {.from_rad = from_rad, .way_rad = to_rad - from_rad, .least_mm = kFarMm};
+  Walk walk = {.from_rad = from_rad, .way_rad = to_rad - from_rad, .min_mm = kFarMm};
   for (const double share : {0.0, 1.0, kMiddle}) {
     const Clearance there = at(from_rad + share * walk.way_rad);
     if (!there.is_free()) {
       return there;
     }
-    walk.least_mm = std::min(walk.least_mm, there.margin_mm);
+    walk.min_mm = std::min(walk.min_mm, there.margin_mm);
   }
   for (const Pair& pair : pairs_) {
     if (!goes_free(pair, walk)) {
@@ -252,7 +252,7 @@ Clearance ClearanceCheck::along(const JointVector& from_rad, const JointVector& 
     }
   }
   Clearance result;
-  result.margin_mm = std::max(cell_.margin_mm, kCloseShare * walk.least_mm - kLookMm);
+  result.margin_mm = std::max(cell_.margin_mm, kCloseShare * walk.min_mm - kLookMm);
   return result;
 }
 

@@ -77,7 +77,7 @@ class ClearanceCheck {
   struct Walk {
     JointVector from_rad;
     JointVector way_rad;
-    double least_mm;
+    double min_mm;
 
     /// What a distance may fall to between two looks.
     double floor_mm(const Pair& pair) const;

@@ -120,7 +120,7 @@ std::vector<std::size_t> between(std::size_t from, std::vector<std::size_t> node
 
 std::optional<Route> RouteMap::over_safe(std::size_t from, std::size_t to) {
   const std::size_t count = safe_.size();
-  double least_s = kNoWay_s;
+  double min_s = kNoWay_s;
   std::vector<std::size_t> best;
   for (std::size_t a = 0; a < count; ++a) {
     for (std::size_t b = 0; b < count; ++b) {
@@ -132,8 +132,8 @@ std::optional<Route> RouteMap::over_safe(std::size_t from, std::size_t to) {
       }
       std::vector<std::size_t> nodes = between(from, ways_[a * count + b], to);
       const double duration_s = measured(nodes).duration_s;
-      if (duration_s < least_s && nodes.size() > 1) {
-        least_s = duration_s;
+      if (duration_s < min_s && nodes.size() > 1) {
+        min_s = duration_s;
         best = std::move(nodes);
       }
     }

@@ -136,7 +136,7 @@ class Planner {
   }
 
   void seek_tour() {
-    double least_s = kNoWay_s;
+    double min_s = kNoWay_s;
     std::vector<std::size_t> best_order;
     std::vector<std::size_t> best_choice;
     for (int round = 0; round < kRounds; ++round) {
@@ -144,8 +144,8 @@ class Planner {
       choose_branches();
       const bool is_known = look_at_tour();
       const double duration_s = tour_cost(durations(), order_);
-      if (duration_s < least_s) {
-        least_s = duration_s;
+      if (duration_s < min_s) {
+        min_s = duration_s;
         best_order = order_;
         best_choice = choice_;
       }

@@ -17,12 +17,12 @@ struct Candidate {
 };
 
 double away_s(const PlanningCell& cell, const RouteMap& routes, const JointVector& joints_rad) {
-  double least_s = std::numeric_limits<double>::infinity();
+  double min_s = std::numeric_limits<double>::infinity();
   for (const std::size_t safe : routes.safe()) {
-    least_s = std::min(least_s,
-                       estimated_duration_s(cell.arm, routes.legs().joints_rad(safe), joints_rad));
+    min_s =
+        std::min(min_s, estimated_duration_s(cell.arm, routes.legs().joints_rad(safe), joints_rad));
   }
-  return least_s;
+  return min_s;
 }
 
 /// For each branch and each safe position the turns nearest to it.

@@ -38,14 +38,14 @@ struct Frame {
 /// One round of the robust fit. @param free  how many of the values are fitted
 Vector6 refitted(std::span<const EdgeOffset> offsets,
                  const Frame& frame,
-                 double least_scale_px,
+                 double min_scale_px,
                  Eigen::Index free,
                  const Vector6& values) {
   std::vector<double> sizes;
   for (const EdgeOffset& edge : offsets) {
     sizes.push_back(std::abs(edge.offset_px - frame.row_of(edge).dot(values)));
   }
-  const double reach = kTukey * std::max(1.4826 * median(sizes), least_scale_px);
+  const double reach = kTukey * std::max(1.4826 * median(sizes), min_scale_px);
   Matrix6 normal = Matrix6::Zero();
   Vector6 right = Vector6::Zero();
   for (std::size_t i = 0; i < offsets.size(); ++i) {
@@ -67,7 +67,7 @@ Vector6 refitted(std::span<const EdgeOffset> offsets,
 }  // namespace
 
 OutlineMotion fit_outline_motion(std::span<const EdgeOffset> offsets,
-                                 double least_scale_px,
+                                 double min_scale_px,
                                  bool is_shift_only) {
   OutlineMotion motion;
   if (offsets.empty()) {
@@ -83,11 +83,8 @@ OutlineMotion fit_outline_motion(std::span<const EdgeOffset> offsets,
   const Eigen::Index free = is_shift_only || offsets.size() < kMinOffsets ? 2 : 6;
   Vector6 values = Vector6::Zero();
   for (int round = 0; round < kRounds; ++round) {
-    values = refitted(offsets,
-                      {.middle_px = motion.middle_px, .extent_px = extent},
-                      least_scale_px,
-                      free,
-                      values);
+    values = refitted(
+        offsets, {.middle_px = motion.middle_px, .extent_px = extent}, min_scale_px, free, values);
   }
   motion.shift_px = values.head<2>();
   motion.linear.col(0) = values.segment<2>(2) / extent;

@@ -27,10 +27,10 @@ struct OutlineMotion {
 
 /// The motion that most offsets agree upon (Tukey's biweight from the median; those beyond about
 /// three robust standard deviations do not count). Fewer than 12 offsets: a shift alone.
-/// @param least_scale_px  offsets apart by less are alike, > 0
+/// @param min_scale_px    offsets apart by less are alike, > 0
 /// @param is_shift_only   turn, scale and shear stay 0
 OutlineMotion fit_outline_motion(std::span<const EdgeOffset> offsets,
-                                 double least_scale_px,
+                                 double min_scale_px,
                                  bool is_shift_only = false);
 
 /// Outlines after a motion; normals stay.

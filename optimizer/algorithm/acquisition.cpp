@@ -92,7 +92,7 @@ void Acquisition::find_best(Index num_points) {
   for (const GaussianProcess& model : models_) {
     means.push_back(model.means_at_points());
   }
-  double least_excess = std::numeric_limits<double>::infinity();
+  double min_excess = std::numeric_limits<double>::infinity();
   best_ = std::numeric_limits<double>::infinity();
   for (Index i = 0; i < num_points; ++i) {
     double excess = 0.0;
@@ -104,13 +104,13 @@ void Acquisition::find_best(Index num_points) {
       objectives.push_back(means[k][i]);
     }
     const double value = combined(objectives);
-    if (excess < least_excess || (excess <= least_excess && value < best_)) {
-      least_excess = excess;
+    if (excess < min_excess || (excess <= min_excess && value < best_)) {
+      min_excess = excess;
       best_ = value;
       best_point_ = i;
     }
   }
-  has_feasible_ = least_excess <= 0.0;
+  has_feasible_ = min_excess <= 0.0;
 }
 
 void Acquisition::add_improvement(const Eigen::MatrixXd& rows, Eigen::VectorXd& scores) const {

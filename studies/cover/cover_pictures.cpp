@@ -122,7 +122,7 @@ Vector3d towards_gap(const SceneCoverage& covered, const Bvh& bvh) {
   around.polar_min_rad = 0.1;  // pictures have z upwards
   around.polar_max_rad = kPi - 0.1;
   Vector3d best(0.62, 0.58, -0.53);  // where none shows any of it
-  double most_mm2 = 0.0;
+  double max_mm2 = 0.0;
   for (const Viewpoint& viewpoint : sphere_viewpoints(around, 1.0)) {
     const Vector3d towards(viewpoint.direction[0], viewpoint.direction[1], viewpoint.direction[2]);
     double seen_mm2 = 0.0;
@@ -133,8 +133,8 @@ Vector3d towards_gap(const SceneCoverage& covered, const Bvh& bvh) {
         seen_mm2 += cosine * covered.cells.areas_mm2[i];
       }
     }
-    if (seen_mm2 > most_mm2) {
-      most_mm2 = seen_mm2;
+    if (seen_mm2 > max_mm2) {
+      max_mm2 = seen_mm2;
       best = towards;
     }
   }

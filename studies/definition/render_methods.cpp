@@ -264,7 +264,7 @@ std::vector<Problem> direct_problems(const SceneSettings& scene) {
   return DirectRange(scene).problems();
 }
 
-SceneSettings finer_settings(SceneSettings scene) {
+SceneSettings rescoring_settings(SceneSettings scene) {
   constexpr int kFreshSeed = 1000003;
   scene.sensor.seed += kFreshSeed;
   if (is_direct(scene)) {

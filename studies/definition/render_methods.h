@@ -54,7 +54,7 @@ std::vector<Problem> direct_problems(const SceneSettings& scene);
 bool shows_roughness(const SceneSettings& scene);
 
 /// The scene for re-scoring a finalist: other noise, every frame, and finer rays.
-SceneSettings finer_settings(SceneSettings scene);
+SceneSettings rescoring_settings(SceneSettings scene);
 
 /// The scene for looking where things lie in the picture: a ray a pixel, but for path tracing.
 SceneSettings coarse_settings(SceneSettings scene);

@@ -218,7 +218,7 @@ std::vector<std::string> path_method_notes(const PathSettings& paths) {
 
 /// @param rays        what is traced
 /// @param integrated  what is done between the rays
-/// @param finer       what re-scoring looks at: finer_settings()
+/// @param finer       what re-scoring looks at: rescoring_settings()
 std::vector<std::string> mirror_method_notes(const std::string& rays,
                                              const std::string& integrated,
                                              const std::string& finer) {
@@ -249,7 +249,7 @@ std::vector<std::string> blurred_method_notes(int rays_per_axis) {
 
 std::vector<std::string> direct_method_notes(const SceneSettings& scene) {
   const int rays = scene.render.rays_per_axis * scene.render.rays_per_axis;
-  const int finer_axis = finer_settings(scene).render.rays_per_axis;
+  const int finer_axis = rescoring_settings(scene).render.rays_per_axis;
   return {
       fmt::format("Light transport: direct light of lamps on rough metal, summed without noise at "
                   "{} ray{} per pixel and more where they differ; light that the part reflects "
@@ -307,13 +307,13 @@ std::vector<std::string> stability_notes(const SceneSettings& scene, const Score
                     "there, and h counts it as even.",
                     100.0 * clipped->second));
   }
-  const double least_px = std::min(scene.camera.width_px, scene.camera.height_px);
-  if (scene.sensor.blur_px > 0.08 * least_px) {
+  const double min_px = std::min(scene.camera.width_px, scene.camera.height_px);
+  if (scene.sensor.blur_px > 0.08 * min_px) {
     notes.push_back(
         fmt::format("A blur of {:g} px is wide for a picture of {:g} px: beyond its border the "
                     "border's pixels are repeated, which a camera does not see.",
                     scene.sensor.blur_px,
-                    least_px));
+                    min_px));
   }
   const SensorSettings& sensor = scene.sensor;
   const double noise = sensor.full_well_e > 0.0

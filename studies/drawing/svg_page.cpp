@@ -48,8 +48,8 @@ double reading_angle_deg(const Vector2d& along) {
 }  // namespace
 
 PaperScale paper_scale(double scale, double width, double height) {
-  const double most_mm = std::min(kPaperWidth_mm / width, kPaperHeight_mm / height);
-  const double least = 1.0 / (scale * most_mm);  // mm of the drawn thing for a mm of paper
+  const double max_mm = std::min(kPaperWidth_mm / width, kPaperHeight_mm / height);
+  const double least = 1.0 / (scale * max_mm);  // mm of the drawn thing for a mm of paper
   double ratio = std::pow(10.0, std::floor(std::log10(least)));
   for (const double factor : {2.0, 5.0, 10.0}) {
     if (ratio >= least * (1.0 - 1e-9)) {

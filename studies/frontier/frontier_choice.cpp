@@ -122,13 +122,13 @@ void mark_choice(std::span<const RenderRung> ladder,
   frontier.choice_rule = rule_text(wishes, frontier.ranking);
   frontier.is_choice_by_order = wishes.empty() && frontier.ranking.has_value();
   FrontierPoint* choice = nullptr;
-  double least_work = 0.0;
+  double min_work = 0.0;
   for (FrontierPoint& point : frontier.points) {
     const RenderRung* rung = rung_at(ladder, point, frontier);
     if (rung != nullptr && serves(point, wishes, frontier) &&
-        (choice == nullptr || rung->work < least_work)) {
+        (choice == nullptr || rung->work < min_work)) {
       choice = &point;
-      least_work = rung->work;
+      min_work = rung->work;
     }
   }
   if (choice != nullptr) {

@@ -144,10 +144,9 @@ SceneSettings noiseless(SceneSettings scene) {
   return scene;
 }
 
-int pixel_factor(const CameraSettings& camera, double most_pixels) {
+int pixel_factor(const CameraSettings& camera, double max_pixels) {
   int factor = 1;
-  while (static_cast<double>(camera.width_px / factor) * (camera.height_px / factor) >
-         most_pixels) {
+  while (static_cast<double>(camera.width_px / factor) * (camera.height_px / factor) > max_pixels) {
     ++factor;
   }
   return factor;

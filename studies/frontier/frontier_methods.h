@@ -21,6 +21,6 @@ SceneSettings scene_of(const FrontierPoint& point, SceneSettings scene);
 SceneSettings noiseless(SceneSettings scene);
 
 /// The smallest whole factor by which a picture has at most so many pixels.
-int pixel_factor(const CameraSettings& camera, double most_pixels);
+int pixel_factor(const CameraSettings& camera, double max_pixels);
 
 }  // namespace glint

@@ -214,7 +214,7 @@ class SearchMeasuring {
     const WantedScores wanted = wanted_by(study_.goal).with_whole_scan(kFreshParts);
     try {
       const SceneSettings scene = scene_with(study_, overrides_of(study_, point));
-      Scores scores = evaluate(store_, finer_settings(scene), {}, wanted).scores;
+      Scores scores = evaluate(store_, rescoring_settings(scene), {}, wanted).scores;
       return problem_with(study_.goal, scores).empty() ? std::optional(scores) : std::nullopt;
     } catch (const ConfigError&) {
       return std::nullopt;

@@ -124,7 +124,7 @@ double best_value(const Json& data, const Wording& wording, double value) {
 }
 
 /// The least value of a score at which a defect is told from its background; empty: not known.
-std::optional<double> least_visible(const std::string& score) {
+std::optional<double> min_visible(const std::string& score) {
   const std::string kind = score.substr(score.rfind('.') + 1);
   const auto* row = std::ranges::find_if(
       kVisible, [&](const auto& one) { return kind == one.first || "min_" + kind == one.first; });
@@ -134,7 +134,7 @@ std::optional<double> least_visible(const std::string& score) {
 
 void add_hidden_defects(const Json& data, const Json& design, std::vector<Finding>& findings) {
   const Wording wording = defect_wording(data);
-  const auto least = least_visible(wording.score());
+  const auto least = min_visible(wording.score());
   const auto value = wording.value(design);
   if (!least || !value || *value >= *least) {
     return;

@@ -153,7 +153,7 @@ Json rescored_json(SceneStore& store,
   }
   const double start = process_cpu_s();
   Json json = scores_json(
-      evaluate(store, finer_settings(scene), {}, wanted.with_whole_scan(kFreshParts)).scores);
+      evaluate(store, rescoring_settings(scene), {}, wanted.with_whole_scan(kFreshParts)).scores);
   if (watch != nullptr) {
     watch->rescoring_cpu_s += process_cpu_s() - start;
   }

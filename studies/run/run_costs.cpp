@@ -106,7 +106,7 @@ double finer_scan_s(SceneStore& store,
   }
   const double start = process_cpu_s();
   try {
-    evaluate(store, finer_settings(scene), {}, wanted.with_whole_scan(kFreshParts));
+    evaluate(store, rescoring_settings(scene), {}, wanted.with_whole_scan(kFreshParts));
   } catch (const ConfigError&) {  // the finer picture may not fit into memory: left out
     return 0.0;
   }

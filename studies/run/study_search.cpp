@@ -148,7 +148,7 @@ std::optional<Scores> rescored(SceneStore& store, const Study& study, const Poin
   const SceneSettings scene = scene_with(study, overrides_of(study, point));
   const WantedScores wanted = wanted_by(study.goal).with_whole_scan(kFreshParts);
   try {
-    Scores scores = evaluate(store, finer_settings(scene), {}, wanted).scores;
+    Scores scores = evaluate(store, rescoring_settings(scene), {}, wanted).scores;
     return problem_with(study.goal, scores).empty() ? std::optional(scores) : std::nullopt;
   } catch (const ConfigError&) {
     return std::nullopt;  // what a finer part or other noise makes impossible

@@ -25,7 +25,7 @@ double diameter_share(StarterLight light) {
 [[noreturn]] void refuse(const Eigen::Vector3d& part_mm,
                          double working_distance_mm,
                          const char* light,
-                         double least_mm) {
+                         double min_mm) {
   throw ConfigError(fmt::format(
       "--working_distance_mm: {:g} mm leaves no room for a {} between camera and part, which is "
       "{:.4g} x {:.4g} x {:.4g} mm large; must be at least {:.0f} mm",
@@ -34,7 +34,7 @@ double diameter_share(StarterLight light) {
       part_mm.x(),
       part_mm.y(),
       part_mm.z(),
-      std::ceil(least_mm)));
+      std::ceil(min_mm)));
 }
 
 void size_tunnel(const Eigen::Vector3d& size_mm, StarterSizes& sizes) {

@@ -107,7 +107,7 @@ class GreyFitter {
     return model().even_rms(mean_of(left_at(state)), design);
   }
 
-  double most_even_share(const GreyState& state) {
+  double max_even_share(const GreyState& state) {
     double most = 0.0;
     for (std::size_t d = 0; d < model().designs().size(); ++d) {
       most = std::max(most, even_share(state, d));
@@ -125,7 +125,7 @@ class GreyFitter {
 
   Fitted searched(double good_share) {
     Fitted best = fitted(problem_.start(), {{.fault = GreyFault::kExposure}});
-    while (most_even_share(best.state) > good_share && improve(best, good_share)) {
+    while (max_even_share(best.state) > good_share && improve(best, good_share)) {
       while (simplify(best)) {
       }
     }
@@ -213,7 +213,7 @@ class GreyFitter {
     Fitted better = best;
     for (const auto& [fault, term] : promising(best)) {
       // Roughness is the last one, looked at where the lights do not explain everything.
-      if (fault == GreyFault::kRoughness && most_even_share(better.state) <= good_share) {
+      if (fault == GreyFault::kRoughness && max_even_share(better.state) <= good_share) {
         continue;
       }
       std::vector<GreyTerm> terms = best.terms;

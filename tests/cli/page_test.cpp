@@ -76,10 +76,10 @@ class Page : public ::testing::Test {
   }
 
   /// On paper nothing lies over anything.
-  void expect_printed(const std::string& page, int most_pages) const {
+  void expect_printed(const std::string& page, int max_pages) const {
     const Json paper = printed(folder_ / page);
     ASSERT_TRUE(paper.is_object()) << page;
-    EXPECT_LE(paper["pages"], most_pages) << page;
+    EXPECT_LE(paper["pages"], max_pages) << page;
     EXPECT_GT(paper["boxes"], 20) << page;
     EXPECT_EQ(paper["overlaps"], Json::array()) << page;
   }

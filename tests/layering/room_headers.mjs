@@ -6,7 +6,7 @@ import { spawnSync } from "node:child_process";
 import { report } from "./room_tree.mjs";
 
 /// Of functions, in one line.
-const MOST_NAMES = 3;
+const MAX_NAMES = 3;
 
 /// Macros that stand for attributes or nothing: ctags could take them for parts of a type.
 export function attributeMacros(texts) {
@@ -113,9 +113,9 @@ function reportLacking(file, header, hasHeader, lacking) {
     return;
   }
   const names = [...new Set(lacking.map(nameOf))];
-  const rest = names.length > MOST_NAMES ? ` and ${names.length - MOST_NAMES} more` : "";
+  const rest = names.length > MAX_NAMES ? ` and ${names.length - MAX_NAMES} more` : "";
   if (names.length > 0) {
-    const shown = names.slice(0, MOST_NAMES).join(", ");
+    const shown = names.slice(0, MAX_NAMES).join(", ");
     report(file, undefined, `has no header ${header} for ${shown}${rest}`);
   }
 }

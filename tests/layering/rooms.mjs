@@ -33,7 +33,7 @@ import {
 } from "./room_tree.mjs";
 import { checkTypes } from "./room_types.mjs";
 
-const MOST_SOURCES = 18;
+const MAX_SOURCES = 18;
 
 // --- The module map ------------------------------------------------------------------------------
 
@@ -212,8 +212,8 @@ function checkCircles(includes) {
 
 function checkSizes(tree) {
   for (const [folder, { sources }] of tree.folders) {
-    if (sources.length > MOST_SOURCES) {
-      const fault = `holds ${sources.length} .cpp files, at most ${MOST_SOURCES} are allowed`;
+    if (sources.length > MAX_SOURCES) {
+      const fault = `holds ${sources.length} .cpp files, at most ${MAX_SOURCES} are allowed`;
       report(folder, undefined, fault);
     }
   }

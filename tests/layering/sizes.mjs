@@ -16,8 +16,8 @@ import { fileURLToPath } from "node:url";
 import { attributeMacros } from "./room_headers.mjs";
 import { readTree } from "./room_tree.mjs";
 
-const MOST_LINES = 60;
-const MOST_LINES_OF_FILE = { ".cpp": 450, ".h": 300 };
+const MAX_LINES = 60;
+const MAX_LINES_OF_FILE = { ".cpp": 450, ".h": 300 };
 const OF_ANY_LENGTH = "visit_keys";
 
 /// All C++ files, tests included: { file, text, lines }.
@@ -64,16 +64,16 @@ function readFunctions(root, files) {
 
 function violationsOf(files, functions) {
   const long = files
-    .map(({ file, lines }) => ({ file, lines, most: MOST_LINES_OF_FILE[path.extname(file)] }))
+    .map(({ file, lines }) => ({ file, lines, most: MAX_LINES_OF_FILE[path.extname(file)] }))
     .filter(({ lines, most }) => lines > most)
     .map(
       ({ file, lines, most }) => `${file}:${lines}: has ${lines} lines, at most ${most} are allowed`,
     );
   const longFunctions = functions
-    .filter(({ name, lines }) => name !== OF_ANY_LENGTH && lines > MOST_LINES)
+    .filter(({ name, lines }) => name !== OF_ANY_LENGTH && lines > MAX_LINES)
     .map(
       ({ file, line, name, lines }) =>
-        `${file}:${line}: ${name} has ${lines} lines, at most ${MOST_LINES} are allowed`,
+        `${file}:${line}: ${name} has ${lines} lines, at most ${MAX_LINES} are allowed`,
     );
   return [...long, ...longFunctions];
 }

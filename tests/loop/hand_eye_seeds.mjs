@@ -50,10 +50,10 @@ console.log(`within 2.5 sigma: place ${withinMm}, turn ${withinDeg}, both ${with
 // One of ten by chance: sigmas of three numbers together are passed by 2.5 in some 0.03 % of cases
 // each, if they are right.
 // Smaller pictures than the gallery's own show corners less exactly: their sigmas are larger.
-const MOST_MM = 0.04;
-const MOST_DEG = 0.012;
-const isSmall = Number(width) < 1224 || (largestMm <= MOST_MM && largestDeg <= MOST_DEG);
+const MAX_MM = 0.04;
+const MAX_DEG = 0.012;
+const isSmall = Number(width) < 1224 || (largestMm <= MAX_MM && largestDeg <= MAX_DEG);
 if (!isSmall) {
-  console.log(`the largest sigma is above ${MOST_MM} mm or ${MOST_DEG} degrees`);
+  console.log(`the largest sigma is above ${MAX_MM} mm or ${MAX_DEG} degrees`);
 }
 process.exit(within === Number(seeds) && isSmall ? 0 : 1);

@@ -163,13 +163,13 @@ std::optional<JointVector> nearest_solution(const ArmSolutions& solutions,
                                             const JointVector& reference_rad,
                                             double limit_rad) {
   std::optional<JointVector> nearest;
-  double least_rad = 0.0;
+  double min_rad = 0.0;
   for (const JointVector& solution_rad : solutions) {
     const JointVector joints_rad = nearest_turns(solution_rad, reference_rad, limit_rad);
     const double motion_rad = (joints_rad - reference_rad).cwiseAbs().maxCoeff();
-    if (!nearest || motion_rad < least_rad) {
+    if (!nearest || motion_rad < min_rad) {
       nearest = joints_rad;
-      least_rad = motion_rad;
+      min_rad = motion_rad;
     }
   }
   return nearest;

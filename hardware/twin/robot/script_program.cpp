@@ -19,7 +19,7 @@ constexpr std::size_t kMaxNumbers = 6;
 /// A function of the subset and what its first argument must be.
 struct KnownFunction {
   std::string_view name;
-  std::size_t least_arguments;
+  std::size_t min_arguments;
 };
 
 constexpr std::array<KnownFunction, 11> kFunctions = {{
@@ -224,7 +224,7 @@ ParsedLine parse_statement(std::string_view line) {
     }
     statement.arguments.push_back(*argument);
   }
-  if (statement.arguments.size() < known->least_arguments || !has_right_target(statement)) {
+  if (statement.arguments.size() < known->min_arguments || !has_right_target(statement)) {
     return {.statement = {}, .error = fmt::format("{}: wrong arguments", statement.function)};
   }
   return {.statement = std::move(statement), .error = ""};

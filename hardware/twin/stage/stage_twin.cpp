@@ -73,7 +73,7 @@ std::string StageController::move(const std::string& line, double now_s) {
   to_mm_ = *goal_mm;
   began_s_ = now_s;
   if (feed_mm_min) {
-    speed_mm_s_ = std::min(settings_.most_speed_mm_s, *feed_mm_min / 60.0);
+    speed_mm_s_ = std::min(settings_.max_speed_mm_s, *feed_mm_min / 60.0);
   }
   return "ok\r\n";
 }

@@ -12,7 +12,7 @@ namespace glint {
 struct StageTwinSettings {
   int port = 0;  ///< 0: any free one
   double travel_mm = 300.0;
-  double most_speed_mm_s = 500.0;
+  double max_speed_mm_s = 500.0;
 };
 
 class StageTwin {

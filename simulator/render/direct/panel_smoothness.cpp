@@ -79,9 +79,9 @@ Pass pass_of(float squared_length, float product, float squared_middle) {
 }
 
 /// @param other  how far the panel reaches aside  @param pole  its height above the centre, squared
-float rho_of(const Pass& pass, float other, float pole, float least_aside) {
+float rho_of(const Pass& pass, float other, float pole, float min_aside) {
   const float per_half = 1.0F / maximum(pass.half, 1e-6F);
-  const float aside = maximum(least_aside, pass.aside - other);
+  const float aside = maximum(min_aside, pass.aside - other);
   return bernstein(pass.along * per_half, std::sqrt(pole + aside * aside) * per_half);
 }
 

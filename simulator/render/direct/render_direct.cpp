@@ -29,11 +29,11 @@ void check(const PhysicalScene& scene, const DirectSettings& direct) {
     throw ConfigError("tolerances of direct light: allowed are numbers from 0");
   }
   if (direct.rays_per_axis < 1 || direct.rays_per_axis > 4 ||
-      direct.most_rays_per_axis < direct.rays_per_axis) {
+      direct.max_rays_per_axis < direct.rays_per_axis) {
     throw ConfigError(
         fmt::format("rays_per_axis: {} to {} given, allowed are 1 to 4, and more at most",
                     direct.rays_per_axis,
-                    direct.most_rays_per_axis));
+                    direct.max_rays_per_axis));
   }
 }
 
@@ -108,7 +108,7 @@ class TileLight {
   /// Until a quarter of the rays would have said the same.
   void refine(const UnevenPixel& uneven, Film& film) {
     double last = uneven.total;
-    for (int n = 2 * direct_.rays_per_axis; n <= direct_.most_rays_per_axis; n *= 2) {
+    for (int n = 2 * direct_.rays_per_axis; n <= direct_.max_rays_per_axis; n *= 2) {
       trace_pixels(
           task_,
           {.x_px = uneven.x, .y_px = uneven.y, .width_px = 1, .height_px = 1, .per_axis = n},

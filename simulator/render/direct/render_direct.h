@@ -21,7 +21,7 @@ struct DirectSettings {
   double interpolated = 1e-3;  ///< between points of the part where light is summed; 0: nowhere
   double spread = 0.06;        ///< rays of a pixel that differ by more are made more
   int rays_per_axis = 2;       ///< of a pixel; in [1, 4]
-  int most_rays_per_axis = 8;  ///< where they differ
+  int max_rays_per_axis = 8;   ///< where they differ
 };
 
 /// What summing took.

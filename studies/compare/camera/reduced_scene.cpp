@@ -9,7 +9,7 @@
 
 namespace glint {
 
-SceneSettings reduced_scene(const SceneSettings& scene, int factor, int least_samples) {
+SceneSettings reduced_scene(const SceneSettings& scene, int factor, int min_samples) {
   SceneSettings small = scene;
   PinholeIntrinsics in = intrinsics_of(scene);
   in.focal_px /= factor;
@@ -21,7 +21,7 @@ SceneSettings reduced_scene(const SceneSettings& scene, int factor, int least_sa
   small.sensor = without_noise(scene.sensor);
   small.sensor.bits = 0;
   small.sensor.blur_px /= factor;
-  small.paths.samples = std::max(scene.paths.samples, least_samples);
+  small.paths.samples = std::max(scene.paths.samples, min_samples);
   small.paths.batches = 2;
   small.paths.relative_error = 0.0;  // all pixels have as many samples
   return small;

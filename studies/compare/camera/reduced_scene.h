@@ -13,8 +13,8 @@ namespace glint {
 /// pixel and in two batches, so that two independent pictures can be taken from one.
 /// @param factor         pixels of the scene to one of the reduced scene, >= 1; what is left over
 ///                       at the right and bottom is cut off, as reduce() does
-/// @param least_samples  of a pixel; more where the scene has more
-SceneSettings reduced_scene(const SceneSettings& scene, int factor, int least_samples);
+/// @param min_samples    of a pixel; more where the scene has more
+SceneSettings reduced_scene(const SceneSettings& scene, int factor, int min_samples);
 
 /// Pixels that see the part alone and none of its defects, and lie further than `margin_px` from
 /// all others.

@@ -67,7 +67,7 @@ class CauseSearch {
               const PinholeIntrinsics& camera,
               const Vector3d& middle_mm,
               bool is_lens_known,
-              double least_agreeing,
+              double min_agreeing,
               const CauseVector& about)
       : edges_(edges),
         camera_(camera),
@@ -78,7 +78,7 @@ class CauseSearch {
                        middle_mm,
                        is_lens_known ? index_of(CauseParameter::kFocalLength) : kCauseParameters,
                        about)),
-        least_agreeing_(least_agreeing) {}
+        min_agreeing_(min_agreeing) {}
 
   CauseFit find() const {
     const auto kept = static_cast<double>(system_.kept());
@@ -86,7 +86,7 @@ class CauseSearch {
                     .noise_px = system_.noise_px(),
                     .agreeing = system_.agreeing()};
     fit.after_px = fit.before_px;
-    if (fit.agreeing < least_agreeing_) {
+    if (fit.agreeing < min_agreeing_) {
       return fit;
     }
     const auto [chosen, sigmas] = sure_set(fit.changes);
@@ -221,7 +221,7 @@ class CauseSearch {
   const PinholeIntrinsics& camera_;
   const Vector3d& middle_mm_;
   EdgeSystem system_;
-  double least_agreeing_;
+  double min_agreeing_;
 };
 
 constexpr std::array<const char*, kCauseParameters> kNames = {"turn_x",
@@ -269,7 +269,7 @@ CauseFit fit_causes(std::span<const SpaceEdge> edges,
                     const PinholeIntrinsics& camera,
                     const Vector3d& middle_mm,
                     bool is_lens_known,
-                    double least_agreeing,
+                    double min_agreeing,
                     const CauseVector& about) {
   const bool is_finite = std::ranges::all_of(edges, [](const SpaceEdge& edge) {
     return std::isfinite(edge.offset_px) && edge.in_camera_mm.allFinite();
@@ -277,7 +277,7 @@ CauseFit fit_causes(std::span<const SpaceEdge> edges,
   if (edges.size() < kMinEdges || !is_finite) {
     return {};
   }
-  return CauseSearch(edges, camera, middle_mm, is_lens_known, least_agreeing, about).find();
+  return CauseSearch(edges, camera, middle_mm, is_lens_known, min_agreeing, about).find();
 }
 
 }  // namespace glint

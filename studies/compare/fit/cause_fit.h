@@ -84,14 +84,14 @@ struct CauseFit {
 /// @param edges      in the order of their boundaries, so that the correlation of neighbours' noise
 ///                   is seen; fewer than 50: no cause is told
 /// @param middle_mm      about which the part turns, in the camera's frame
-/// @param least_agreeing share of the edges that must agree
+/// @param min_agreeing   share of the edges that must agree
 /// @param is_lens_known  only the part's pose may differ
 /// @param about  changes that are known about: sets are compared by how edges move there
 CauseFit fit_causes(std::span<const SpaceEdge> edges,
                     const PinholeIntrinsics& camera,
                     const Eigen::Vector3d& middle_mm,
                     bool is_lens_known = false,
-                    double least_agreeing = kMinAgreeing,
+                    double min_agreeing = kMinAgreeing,
                     const CauseVector& about = {});
 
 /// Where a point would appear after the changes. @param point_mm  in the camera's frame, z > 0

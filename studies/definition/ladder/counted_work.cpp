@@ -114,7 +114,8 @@ double counted_work(const SceneSettings& scene) {
 
 double rescoring_factor(const SceneSettings& scene) {
   constexpr double kOfSamples = 4.0;
-  return is_direct(scene) ? counted_work(finer_settings(scene)) / counted_work(scene) : kOfSamples;
+  return is_direct(scene) ? counted_work(rescoring_settings(scene)) / counted_work(scene)
+                          : kOfSamples;
 }
 
 }  // namespace glint

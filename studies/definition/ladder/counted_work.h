@@ -15,7 +15,7 @@ bool may_see_itself(const SceneSettings& scene);
 /// What one evaluation takes, in millions of camera paths with direct light.
 double counted_work(const SceneSettings& scene);
 
-/// How many times as much a finalist takes when it is re-scored by finer_settings().
+/// How many times as much a finalist takes when it is re-scored by rescoring_settings().
 double rescoring_factor(const SceneSettings& scene);
 
 }  // namespace glint

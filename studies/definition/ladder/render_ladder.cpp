@@ -77,7 +77,7 @@ bool may_be_summed(const SceneSettings& scene) {
 
 /// What finalists are re-scored with, but for their seeds.
 SceneSettings top_settings(const SceneSettings& scene) {
-  SceneSettings top = finer_settings(scene);
+  SceneSettings top = rescoring_settings(scene);
   top.sensor.seed = scene.sensor.seed;
   top.paths.seed = scene.paths.seed;
   return top;

@@ -36,7 +36,7 @@ struct RenderRung {
 };
 
 /// The ladder of a scene by rising work. Its last rung is the top, which the others are compared
-/// with: what finalists are re-scored with (finer_settings()), with the scene's own seeds.
+/// with: what finalists are re-scored with (rescoring_settings()), with the scene's own seeds.
 ///
 ///   a mirror under a tunnel   footprints with directions to 2, 0.6, 0.2, 0.06 mrad; plain sampling
 ///                             where render.method asks for it: 1, 2, 4 rays along both axes

@@ -26,7 +26,7 @@ DirectSettings direct_settings(const RenderSettings& render, int octave) {
   direct.interpolated *= scale / (finer * finer);
   direct.spread *= scale / finer;
   direct.rays_per_axis = render.rays_per_axis;
-  direct.most_rays_per_axis = 4 * render.rays_per_axis;
+  direct.max_rays_per_axis = 4 * render.rays_per_axis;
   return direct;
 }
 

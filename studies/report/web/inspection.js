@@ -6,7 +6,7 @@ import { badge, h, pngUrl, section, svg } from './dom.js';
 import { minus, number, plural } from './format.js';
 import { sizesChart } from './population.js';
 
-const kMostRows = 60;  // of a part's table, and numbers in its picture; the CSV file has all
+const kMaxRows = 60;  // of a part's table, and numbers in its picture; the CSV file has all
 
 /** As in the overlay.png of studies/inspect/inspect_marks.cpp. */
 const kMarks = { hole: '#ff9500', scratch: '#00beff', missed: '#ff2dc8' };
@@ -60,7 +60,7 @@ function markedPicture(part) {
   const line = Math.max(0.6, width / 950);
   return svg('svg', { class: 'marked', viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': `${part.name}: what was found` },
     svg('image', { width, height, preserveAspectRatio: 'none', href: pngUrl(part.image) }),
-    part.defects.map((defect, i) => mark(defect, line, `${defect.kind} ${defect.number}: ${defect.area_px} px`, i < kMostRows && defect.number)),
+    part.defects.map((defect, i) => mark(defect, line, `${defect.kind} ${defect.number}: ${defect.area_px} px`, i < kMaxRows && defect.number)),
     part.missed.map((defect) => mark({ ...defect, kind: 'missed' }, line, `missed: ${defect.label}`)));
 }
 
@@ -79,8 +79,8 @@ function defectsTable(part) {
   const count = defectsOf(part);
   return h('div', {}, h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
     h('thead', {}, h('tr', {}, heading('number'), h('th', {}, 'kind'), ['x px', 'y px', 'area px', 'weight', 'peak', 'length px', 'width px', 'angle deg', 'elongation'].map(heading), part.truth && h('th', {}, 'is'))),
-    h('tbody', {}, part.defects.slice(0, kMostRows).map(row)))),
-  count > kMostRows && h('p', { class: 'lead' }, `The ${kMostRows} biggest of ${count}; defects.csv has all.`));
+    h('tbody', {}, part.defects.slice(0, kMaxRows).map(row)))),
+  count > kMaxRows && h('p', { class: 'lead' }, `The ${kMaxRows} biggest of ${count}; defects.csv has all.`));
 }
 
 /** Pixels by their response, with the threshold on the sides, 1 bright and -1 dark, that defects may lie on. */

@@ -2,7 +2,7 @@
 // What was simulated: the part with its defects marked, camera, light, sizes of the defects.
 import { h, pngUrl, section, svg } from './dom.js';
 
-const kMostMarks = 60;
+const kMaxMarks = 60;
 
 const overlap = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 
@@ -30,7 +30,7 @@ function markedPart({ picture, size_px: [width, height], marks, note }) {
   const taken = [];
   return h('figure', {}, svg('svg', { class: 'subject', viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': 'The part with its defects marked' },
     svg('image', { width, height, preserveAspectRatio: 'none', href: pngUrl(picture) }),
-    (marks ?? []).slice(0, kMostMarks).map((one) => mark(one, Math.max(width, height) / 170, [width, height], taken))), note && h('figcaption', {}, note));
+    (marks ?? []).slice(0, kMaxMarks).map((one) => mark(one, Math.max(width, height) / 170, [width, height], taken))), note && h('figcaption', {}, note));
 }
 
 function defectTable({ head, rows, more }) {

@@ -35,8 +35,8 @@ BoardScene scene_of(double size) {
 /// Views whose largest blur lies in a range, and how exact their corners are to be.
 struct Views {
   const char* name;
-  double least_blur_px;
-  double most_blur_px;
+  double min_blur_px;
+  double max_blur_px;
   double noise_codes;  ///< of 255
   double limit_px;
 };
@@ -54,11 +54,11 @@ BoardScene drawn_scene(const Views& views, Rng& rng) {
     scene.noise = views.noise_codes / 255.0;
     scene.camera_from_board =
         random_pose(kBoard, 146.0, 30 * kRadPerDeg, 40 * kRadPerDeg, 6.0, rng);
-    const double slope = rng.uniform(0.05, views.most_blur_px / 12.0);
+    const double slope = rng.uniform(0.05, views.max_blur_px / 12.0);
     scene.blur_px_at = [=](double depth) { return std::hypot(0.4, slope * (depth - 146.0)); };
     const double blur = largest_blur_px(scene);
-    if (corners_inside_px(scene) >= 30.0 && blur >= views.least_blur_px &&
-        blur <= views.most_blur_px) {
+    if (corners_inside_px(scene) >= 30.0 && blur >= views.min_blur_px &&
+        blur <= views.max_blur_px) {
       return scene;
     }
   }

@@ -74,7 +74,7 @@ std::vector<Bar> hypervolume_bars(const Results& results) {
                         "hypervolume, noise {}, after {}, %{}", wanted.noise, wanted.after, why),
                     .value = value,
                     .bound = wanted.bound,
-                    .is_least = true});
+                    .is_lower_bound = true});
   }
   return bars;
 }
@@ -310,7 +310,7 @@ double mean_of(const Row& row, double Result::*score) {
 }
 
 bool is_met(const Bar& bar) {
-  return bar.value && (bar.is_least ? *bar.value >= bar.bound : *bar.value <= bar.bound);
+  return bar.value && (bar.is_lower_bound ? *bar.value >= bar.bound : *bar.value <= bar.bound);
 }
 
 std::vector<Bar> bars_of(const Results& results, const Results& development) {

@@ -36,7 +36,7 @@ struct Bar {
   std::string what;
   std::optional<double> value;  ///< empty: not shown
   double bound = 0.0;
-  bool is_least = false;  ///< the value must not be below the bound, else not above it
+  bool is_lower_bound = false;  ///< the value must not be below the bound, else not above it
 };
 
 bool is_met(const Bar& bar);

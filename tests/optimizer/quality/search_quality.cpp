@@ -142,7 +142,7 @@ int print_table(const Options& options) {
                : is_met(bar) ? "met"
                              : "missed",
                value,
-               bar.is_least ? ">=" : "<=",
+               bar.is_lower_bound ? ">=" : "<=",
                bar.bound,
                bar.what);
   }

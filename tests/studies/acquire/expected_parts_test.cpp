@@ -170,9 +170,9 @@ TEST(ExpectedParts, TellARenderedPictureFromItsBlurredCopy) {
   const ExpectedPicture expected = {
       .part = parts.masks[0], .tolerance_px = parts.tolerance_px, .blur_px = parts.blur_px[0]};
   const PictureLimits limits;
-  const double most_px = blur_limit_px(limits, expected.blur_px);
+  const double max_px = blur_limit_px(limits, expected.blur_px);
   const auto fault = [&](const ImageF& grey) {
-    return rejection_of(figures_of(frame_of(grey), expected, true), limits, 0.0, most_px);
+    return rejection_of(figures_of(frame_of(grey), expected, true), limits, 0.0, max_px);
   };
   EXPECT_EQ(fault(sharp), "");
   EXPECT_THAT(fault(means_of(means_of(means_of(sharp)))), testing::HasSubstr("blurred"));

@@ -60,7 +60,7 @@ class PlaceVerb : public CalibrateVerb {
   void write_seen(const SharedCalibration& shared,
                   const std::string& name,
                   std::size_t every,
-                  std::size_t most_pictures) const {
+                  std::size_t max_pictures) const {
     const auto rows = parse_csv(read_file(shared.folder / "out/corners.csv"), "corners.csv");
     std::string text = "picture,x_mm,y_mm,z_mm,u_px,v_px\n";
     std::set<std::string> pictures;
@@ -69,7 +69,7 @@ class PlaceVerb : public CalibrateVerb {
         continue;
       }
       pictures.insert(rows[i][0].text);
-      if (pictures.size() <= most_pictures && i % every == 0) {
+      if (pictures.size() <= max_pictures && i % every == 0) {
         text += csv_row_of(rows[i][0].text,
                            *rows[i][3].number(),
                            *rows[i][4].number(),

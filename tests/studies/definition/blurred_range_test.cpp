@@ -109,8 +109,8 @@ TEST(BlurredRange, HasItsOwnFramesAndItsFinerOnesHaveMoreRays) {
   const SceneSettings scene = satin();
   EXPECT_EQ(frame_method(scene).name, "blurred");
   EXPECT_FALSE(frame_method(scene).has_closed_mean);
-  EXPECT_EQ(finer_settings(scene).render.method, Method::kBlurred);
-  EXPECT_EQ(finer_settings(scene).render.rays_per_axis, 2 * scene.render.rays_per_axis);
+  EXPECT_EQ(rescoring_settings(scene).render.method, Method::kBlurred);
+  EXPECT_EQ(rescoring_settings(scene).render.rays_per_axis, 2 * scene.render.rays_per_axis);
   EXPECT_EQ(coarse_settings(scene).render.method, Method::kBlurred);
   EXPECT_EQ(coarse_settings(scene).render.rays_per_axis, 1);
 }

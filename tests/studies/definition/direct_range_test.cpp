@@ -125,12 +125,12 @@ TEST(DirectRange, HasItsOwnFramesAndItsFinerOnesHaveMoreRays) {
   SceneSettings scene = steel();
   EXPECT_EQ(frame_method(scene).name, "direct");
   EXPECT_THAT(frame_method(scene).numbers, ElementsAre(Pair("rays_per_axis", 2)));
-  EXPECT_EQ(finer_settings(scene).render.rays_per_axis, 4);
-  EXPECT_EQ(finer_settings(scene).render.method, Method::kDirect);
-  EXPECT_EQ(finer_settings(scene).paths.samples, scene.paths.samples);
-  EXPECT_NE(finer_settings(scene).sensor.seed, scene.sensor.seed);
+  EXPECT_EQ(rescoring_settings(scene).render.rays_per_axis, 4);
+  EXPECT_EQ(rescoring_settings(scene).render.method, Method::kDirect);
+  EXPECT_EQ(rescoring_settings(scene).paths.samples, scene.paths.samples);
+  EXPECT_NE(rescoring_settings(scene).sensor.seed, scene.sensor.seed);
   scene.render.rays_per_axis = 4;
-  EXPECT_EQ(finer_settings(scene).render.rays_per_axis, 4) << "the most there are";
+  EXPECT_EQ(rescoring_settings(scene).render.rays_per_axis, 4) << "the most there are";
 }
 
 TEST(DirectRange, RepeatsTheNoiseOfTheSensorAlone) {

@@ -53,27 +53,26 @@ TEST(FrameMethod, HasAClosedMeanOnlyWhereASearchMayTakeIt) {
   EXPECT_FALSE(frame_method(ring).has_closed_mean) << "auto follows paths here";
 }
 
-TEST(FinerSettings, HaveOtherSeedsAndFourTimesTheSamplesOfPaths) {
+TEST(RescoringSettings, HaveOtherSeedsAndFourTimesTheSamplesOfPaths) {
   const SceneSettings scene = path_scene();
-  const SceneSettings rescoring_settings = finer_settings(scene);
-  EXPECT_TRUE(needs_paths(rescoring_settings));
-  EXPECT_EQ(rescoring_settings.paths.samples, 4 * scene.paths.samples);
-  EXPECT_NE(rescoring_settings.paths.seed, scene.paths.seed);
-  EXPECT_NE(rescoring_settings.sensor.seed, scene.sensor.seed);
+  const SceneSettings rescored = rescoring_settings(scene);
+  EXPECT_TRUE(needs_paths(rescored));
+  EXPECT_EQ(rescored.paths.samples, 4 * scene.paths.samples);
+  EXPECT_NE(rescored.paths.seed, scene.paths.seed);
+  EXPECT_NE(rescored.sensor.seed, scene.sensor.seed);
 }
 
-TEST(FinerSettings, RenderEveryFrameOfAMirror) {
+TEST(RescoringSettings, RenderEveryFrameOfAMirror) {
   for (const Method method : {Method::kAuto, Method::kIntegrated, Method::kClosed}) {
     const SceneSettings scene = mirror_scene(method);
-    const SceneSettings rescoring_settings = finer_settings(scene);
-    EXPECT_EQ(rescoring_settings.render.method, Method::kIntegrated);
-    EXPECT_EQ(rescoring_settings.render.max_direction_error_rad,
-              0.25 * scene.render.max_direction_error_rad);
-    EXPECT_NE(rescoring_settings.sensor.seed, scene.sensor.seed);
+    const SceneSettings rescored = rescoring_settings(scene);
+    EXPECT_EQ(rescored.render.method, Method::kIntegrated);
+    EXPECT_EQ(rescored.render.max_direction_error_rad, 0.25 * scene.render.max_direction_error_rad);
+    EXPECT_NE(rescored.sensor.seed, scene.sensor.seed);
   }
   const SceneSettings scene = mirror_scene(Method::kSampled);
-  EXPECT_EQ(finer_settings(scene).render.method, Method::kSampled);
-  EXPECT_EQ(finer_settings(scene).render.rays_per_axis, 2 * scene.render.rays_per_axis);
+  EXPECT_EQ(rescoring_settings(scene).render.method, Method::kSampled);
+  EXPECT_EQ(rescoring_settings(scene).render.rays_per_axis, 2 * scene.render.rays_per_axis);
 }
 
 TEST(ComparedMethods, AreSettingsOfTheSceneThatDifferInTheMethod) {

@@ -66,7 +66,7 @@ TEST(BestOfEachKind, AreTheBestTrialsRescoredInTheSameWay) {
                              value.is_string() ? ConfigNode::from_text(value.get<std::string>())
                                                : ConfigNode::from_number(value.get<double>()));
     }
-    const SceneSettings finer = finer_settings(scene_with(study, overrides));
+    const SceneSettings finer = rescoring_settings(scene_with(study, overrides));
     const Scores fresh =
         evaluate(store, finer, {}, wanted_by(study.goal).with_whole_scan(kFreshParts)).scores;
     EXPECT_EQ(kind.at("rescored").at("defects.min_weber").get<double>(),

@@ -146,7 +146,7 @@ TEST(RenderLadder, EndsWhereFinalistsAreRescored) {
     for (const KeptKeys& kept : {KeptKeys{}, KeptKeys{.method = true, .samples = true}}) {
       const auto ladder = render_ladder(scene, kept);
       const SceneSettings top = at_rung(scene, ladder.back());
-      const SceneSettings finer = finer_settings(scene);
+      const SceneSettings finer = rescoring_settings(scene);
       EXPECT_EQ(top.paths.samples, finer.paths.samples);
       EXPECT_EQ(top.render.method, finer.render.method);
       EXPECT_EQ(top.render.max_direction_error_rad, finer.render.max_direction_error_rad);

@@ -37,7 +37,7 @@ TEST(DirectSettings, AreFinerByBrightnessAndRays) {
   EXPECT_DOUBLE_EQ(direct_settings({.rays_per_axis = 4}, 2).tolerance, 3.125e-5);
   EXPECT_DOUBLE_EQ(direct_settings({.rays_per_axis = 1}, 0).tolerance, 2e-3);
   EXPECT_DOUBLE_EQ(direct_settings(usual, 1).interpolated, 5e-4);
-  EXPECT_EQ(direct_settings({.rays_per_axis = 4}, 0).most_rays_per_axis, 16);
+  EXPECT_EQ(direct_settings({.rays_per_axis = 4}, 0).max_rays_per_axis, 16);
 }
 
 TEST(FrameFactors, AreRefusedForAPowerOfALightWithoutFlux) {

@@ -328,7 +328,7 @@ bool is_like_reference(const FrontierPoint& point, const Frontier& frontier) {
 }
 
 Frontier measure_frontier(const SceneSettings& scene, const FrontierOptions& options) {
-  if (compared_methods(scene).empty()) {
+  if (!has_noiseless_reference(scene)) {
     return measure_path_frontier(scene, options);
   }
   Measuring measuring(scene, options);

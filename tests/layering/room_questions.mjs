@@ -17,6 +17,7 @@ const QUESTION = new RegExp(
     "\\b(?:holds_alternative|get_if)<\\w+Settings>",
     "\\bis_same_v<[^>]*Settings>",
     "\\bpath_view_of\\b",
+    "\\bcompared_(?:methods|paths)\\([^()]*\\)\\.(?:empty|size)\\(\\)",
     "\\.level ==",
   ].join("|"),
 );

@@ -380,6 +380,8 @@ in_run_cpp 'std::holds_alternative<EnvironmentSettings>(light.settings)' 'holds_
 in_run_cpp 'std::is_same_v<Light, IesLightSettings>' 'is_same_v<Light, IesLightSettings>'
 in_run_cpp 'path_view_of(scene, part) != nullptr' path_view_of
 in_run_cpp 'rung.level == "blurred"' '.level =='
+in_run_cpp 'compared_methods(scene).empty()' 'compared_methods(scene).empty()'
+in_run_cpp 'compared_paths(scene).size() > 1' 'compared_paths(scene).size()'
 clean_tree
 add cli/run.cpp '// needs_paths() is asked elsewhere'
 expect_clean "a question in a comment" "rooms: no violation"

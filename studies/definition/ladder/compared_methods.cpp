@@ -146,14 +146,18 @@ std::vector<ComparedMethod> noiseless_methods(const SceneSettings& scene) {
 
 }  // namespace
 
+bool has_noiseless_reference(const SceneSettings& scene) {
+  return !needs_paths(scene) && !is_blurred(scene);
+}
+
 std::vector<ComparedMethod> compared_methods(const SceneSettings& scene) {
-  return needs_paths(scene) || is_blurred(scene) ? std::vector<ComparedMethod>()
-                                                 : MethodList(scene.render).methods();
+  return has_noiseless_reference(scene) ? MethodList(scene.render).methods()
+                                        : std::vector<ComparedMethod>();
 }
 
 std::vector<ComparedMethod> compared_paths(const SceneSettings& scene) {
   std::vector<ComparedMethod> methods;
-  if (!needs_paths(scene) && !is_blurred(scene)) {
+  if (has_noiseless_reference(scene)) {
     return methods;
   }
   const PathSettings& own = scene.paths;

@@ -39,6 +39,10 @@ std::vector<ComparedMethod> compared_methods(const SceneSettings& scene);
 /// may render the scene. None for a mirror under a tunnel that nothing asks paths of.
 std::vector<ComparedMethod> compared_paths(const SceneSettings& scene);
 
+/// Whether pictures without noise are the scene's reference, those of compared_methods(); else it
+/// is the mean of many followed paths, and compared_paths() are held against it.
+bool has_noiseless_reference(const SceneSettings& scene);
+
 /// The scene rendered by a method.
 SceneSettings rendered_by(const ComparedMethod& method, SceneSettings scene);
 

@@ -14,6 +14,7 @@ namespace {
 using Method = RenderSettings::Method;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::Pair;
 
 SceneSettings mirror_scene(Method method) {
@@ -100,6 +101,25 @@ TEST(ComparedMethods, AreSettingsOfTheSceneThatDifferInTheMethod) {
 
 TEST(ComparedMethods, AreNoneWherePathsAreTheOnlyWay) {
   EXPECT_THAT(compared_methods(path_scene()), IsEmpty());
+}
+
+TEST(ComparedMethods, AreThoseOfASceneWithANoiselessReference) {
+  SceneSettings blurred;
+  blurred.material.type = MaterialSettings::Type::kConductor;
+  blurred.material.alpha = {0.05};
+  blurred.render.method = Method::kBlurred;
+  SceneSettings direct = path_scene();
+  direct.render.method = Method::kDirect;
+  for (const SceneSettings& scene : {path_scene(), blurred, direct}) {
+    EXPECT_FALSE(has_noiseless_reference(scene));
+    EXPECT_THAT(compared_methods(scene), IsEmpty());
+    EXPECT_THAT(compared_paths(scene), Not(IsEmpty()));
+  }
+  for (const Method method : {Method::kAuto, Method::kSampled, Method::kClosed}) {
+    EXPECT_TRUE(has_noiseless_reference(mirror_scene(method)));
+    EXPECT_THAT(compared_methods(mirror_scene(method)), Not(IsEmpty()));
+    EXPECT_THAT(compared_paths(mirror_scene(method)), IsEmpty());
+  }
 }
 
 TEST(ComparedPaths, EndWithBlurredReflectionsWhereTheyMayRenderTheScene) {

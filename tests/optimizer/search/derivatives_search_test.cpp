@@ -80,15 +80,7 @@ TEST(DerivativesSearch, ACutUpSearchIsTheSameBitForBit) {
   };
   const TemporaryFolder whole;
   search_into(whole, task, evaluate);
-  for (const bool verify : {false, true}) {
-    const TemporaryFolder cut;
-    for (const int evaluations : {7, 15, 24, 36}) {
-      task.budget.evaluations = evaluations;
-      task.verify_replay = verify;
-      search_into(cut, task, evaluate);
-    }
-    EXPECT_EQ(events_and_points(cut), events_and_points(whole)) << verify;
-  }
+  test::expect_resumed_as(whole, task, evaluate, {7, 15, 24, 36});
   task.jobs = 2;
   const TemporaryFolder threaded;
   search_into(threaded, task, evaluate);

@@ -11,6 +11,7 @@
 #include <map>
 
 #include "tests/optimizer/algorithm/problems.h"
+#include "tests/optimizer/search/searching.h"
 
 namespace glint {
 namespace {
@@ -88,19 +89,11 @@ SearchResult search_in_epochs(const TemporaryFolder& folder,
   return result;
 }
 
+/// Everything but times.
 std::string log_of(const TemporaryFolder& folder) {
-  const Storage storage = Storage::read(folder / "s.sqlite");
-  std::string text;
-  for (const Event& event : storage.events()) {
-    text += fmt::format("{} {} {:a} [{:a}]\n",
-                        static_cast<int>(event.kind),
-                        event.trial,
-                        event.value,
-                        fmt::join(event.objectives, " "));
-  }
-  for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
-    text += fmt::format("{} {:a}", trial.number, fmt::join(trial.point, " "));
-    text += trial.outcome ? fmt::format(" {:a}\n", trial.outcome->scores.at("loss")) : " -\n";
+  std::string text = test::events_and_points(folder);
+  for (const Trial& trial : Storage::read(folder / "s.sqlite").trials(TrialKind::kSearch)) {
+    text += trial.outcome ? fmt::format("{:a}\n", trial.outcome->scores.at("loss")) : "-\n";
   }
   return text;
 }

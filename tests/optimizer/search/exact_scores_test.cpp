@@ -145,15 +145,7 @@ TEST(ExactScores, ACutUpSearchIsTheSameBitForBit) {
   };
   const TemporaryFolder whole;
   search_into(whole, task, evaluate);
-  for (const bool verify : {false, true}) {
-    const TemporaryFolder cut;
-    for (const int evaluations : {14, 23, 38, 45}) {
-      task.budget.evaluations = evaluations;
-      task.verify_replay = verify;
-      search_into(cut, task, evaluate);
-    }
-    EXPECT_EQ(events_and_points(cut), events_and_points(whole)) << verify;
-  }
+  test::expect_resumed_as(whole, task, evaluate, {14, 23, 38, 45});
 }
 
 /// A search that began without knowing exact scores goes on as it began.

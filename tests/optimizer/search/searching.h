@@ -4,10 +4,12 @@
 #pragma once
 
 #include <atomic>
+#include <initializer_list>
 #include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <gtest/gtest.h>
 
 #include "optimizer/search/search.h"
 #include "optimizer/storage/storage.h"
@@ -40,6 +42,23 @@ inline std::string events_and_points(const TemporaryFolder& folder) {
     text += fmt::format("{} {:a}\n", trial.number, fmt::join(trial.point, " "));
   }
   return text;
+}
+
+/// Expects a search that is resumed, with and without asking everything again, to leave what is in
+/// another folder. @param budgets  in evaluations, of the parts that it is done in
+inline void expect_resumed_as(const TemporaryFolder& whole,
+                              SearchTask task,
+                              const Evaluate& evaluate,
+                              std::initializer_list<int> budgets) {
+  for (const bool verify : {false, true}) {
+    const TemporaryFolder cut;
+    for (const int evaluations : budgets) {
+      task.budget.evaluations = evaluations;
+      task.verify_replay = verify;
+      search_into(cut, task, evaluate);
+    }
+    EXPECT_EQ(events_and_points(cut), events_and_points(whole)) << verify;
+  }
 }
 
 }  // namespace glint::test

@@ -330,15 +330,7 @@ TEST(SearchRules, AResumedSearchAsksTheSameWithAndWithoutComputingEveryAskAgain)
   task.settings.batch = 2;
   const TemporaryFolder whole;
   search_into(whole, task, zdt1);
-  for (const bool verify : {false, true}) {
-    const TemporaryFolder cut;
-    for (const int evaluations : {9, 31, 44, 60}) {
-      task.budget.evaluations = evaluations;
-      task.verify_replay = verify;
-      search_into(cut, task, zdt1);
-    }
-    EXPECT_EQ(events_and_points(cut), events_and_points(whole)) << verify;
-  }
+  test::expect_resumed_as(whole, task, zdt1, {9, 31, 44, 60});
 }
 
 /// A search by other parameters than those in the log is found by asking everything again.

@@ -9,20 +9,18 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
-#include <kdl/chain.hpp>
 #include <kdl/chainiksolverpos_lma.hpp>
-#include <kdl/frames.hpp>
 
 #include "core/rng.h"
 #include "core/units.h"
 #include "hardware/robot/kinematics/arm.h"
+#include "tests/hardware/robot/kinematics/kdl_arm.h"
 
 namespace glint {
 namespace {
 
 constexpr int kPoses = 5000;
 constexpr int kStarts = 10;
-constexpr double kMPerMm = 1e-3;
 
 JointVector random_joints(std::uint64_t index) {
   Rng rng(1, Stream::kTest, index);
@@ -41,29 +39,6 @@ std::vector<Eigen::Isometry3d> random_poses(const Arm& arm) {
   return poses;
 }
 
-KDL::Chain chain_of(const Arm& arm) {
-  KDL::Chain chain;
-  for (const DhRow& row : arm.table()) {
-    chain.addSegment(
-        KDL::Segment(KDL::Joint(KDL::Joint::RotZ),
-                     KDL::Frame::DH(row.a_mm * kMPerMm, row.alpha_rad, row.d_mm * kMPerMm, 0.0)));
-  }
-  return chain;
-}
-
-KDL::Frame frame_of(const Eigen::Isometry3d& pose) {
-  const Eigen::Matrix3d r = pose.linear();
-  const Eigen::Vector3d t = kMPerMm * pose.translation();
-  return {KDL::Rotation(
-              r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)),
-          KDL::Vector(t.x(), t.y(), t.z())};
-}
-
-bool reaches(const Arm& arm, const JointVector& joints_rad, const Eigen::Isometry3d& pose) {
-  const JointVector left = pose_difference(arm.forward(joints_rad), pose);
-  return left.head<3>().norm() < 1e-3 && left.tail<3>().norm() < 1e-5;
-}
-
 void closed_form(benchmark::State& state) {
   const Arm arm(ArmModel::kUr3);
   const std::vector<Eigen::Isometry3d> poses = random_poses(arm);
@@ -75,7 +50,7 @@ void closed_form(benchmark::State& state) {
     for (const Eigen::Isometry3d& pose : poses) {
       const ArmSolutions all = arm.inverse(pose);
       solutions += all.size();
-      found += all.empty() || !reaches(arm, all[0], pose) ? 0.0 : 1.0;
+      found += all.empty() || !test::reaches(arm, all[0], pose) ? 0.0 : 1.0;
     }
   }
   state.counters["poses_found"] = found;
@@ -87,13 +62,13 @@ void closed_form(benchmark::State& state) {
 void kdl_lma(benchmark::State& state) {
   const Arm arm(ArmModel::kUr3);
   const std::vector<Eigen::Isometry3d> poses = random_poses(arm);
-  const KDL::Chain chain = chain_of(arm);
+  const KDL::Chain chain = test::chain_of(arm);
   KDL::ChainIkSolverPos_LMA solver(chain, 1e-7, 500);
   double found = 0.0;
   for (auto _ : state) {
     found = 0.0;
     for (std::size_t i = 0; i < poses.size(); ++i) {
-      const KDL::Frame frame = frame_of(poses[i]);
+      const KDL::Frame frame = test::frame_of(poses[i]);
       KDL::JntArray start(6);
       KDL::JntArray result(6);
       bool is_solved = false;
@@ -101,7 +76,7 @@ void kdl_lma(benchmark::State& state) {
         start.data = random_joints(1000000 + kStarts * i + k);
         is_solved = solver.CartToJnt(start, frame, result) >= 0;
       }
-      found += is_solved && reaches(arm, JointVector(result.data), poses[i]) ? 1.0 : 0.0;
+      found += is_solved && test::reaches(arm, JointVector(result.data), poses[i]) ? 1.0 : 0.0;
     }
   }
   state.counters["poses_found"] = found;

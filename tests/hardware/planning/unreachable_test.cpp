@@ -3,37 +3,16 @@
 // Views refused as unreachable, tried by another solver: KDL's after Levenberg and Marquardt, from
 // 200 random starts each.
 #include <gtest/gtest.h>
-#include <kdl/chain.hpp>
 #include <kdl/chainiksolverpos_lma.hpp>
-#include <kdl/frames.hpp>
 
 #include "core/rng.h"
 #include "hardware/planning/joint_choices.h"
 #include "tests/hardware/planning/planned_cell.h"
 #include "tests/hardware/robot/kinematics/arm_poses.h"
+#include "tests/hardware/robot/kinematics/kdl_arm.h"
 
 namespace glint {
 namespace {
-
-constexpr double kMPerMm = 1e-3;
-
-KDL::Chain chain_of(const Arm& arm) {
-  KDL::Chain chain;
-  for (const DhRow& row : arm.table()) {
-    chain.addSegment(
-        KDL::Segment(KDL::Joint(KDL::Joint::RotZ),
-                     KDL::Frame::DH(row.a_mm * kMPerMm, row.alpha_rad, row.d_mm * kMPerMm, 0.0)));
-  }
-  return chain;
-}
-
-KDL::Frame frame_of(const Eigen::Isometry3d& pose) {
-  const Eigen::Matrix3d r = pose.linear();
-  const Eigen::Vector3d t = kMPerMm * pose.translation();
-  return {KDL::Rotation(
-              r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)),
-          KDL::Vector(t.x(), t.y(), t.z())};
-}
 
 /// Joints that KDL finds from one of 200 starts.
 bool finds_joints(const Arm& arm,
@@ -45,11 +24,9 @@ bool finds_joints(const Arm& arm,
   KDL::JntArray result(6);
   for (std::uint64_t k = 0; k < kStarts; ++k) {
     start.data = random_joints(1000 * seed + k);
-    if (solver.CartToJnt(start, frame_of(pose), result) >= 0) {
-      const JointVector left = pose_difference(arm.forward(result.data), pose);
-      if (left.head<3>().norm() < 1e-3 && left.tail<3>().norm() < 1e-5) {
-        return true;
-      }
+    if (solver.CartToJnt(start, test::frame_of(pose), result) >= 0 &&
+        test::reaches(arm, JointVector(result.data), pose)) {
+      return true;
     }
   }
   return false;
@@ -59,7 +36,7 @@ TEST(UnreachableViews, HaveNoJointsByAnotherSolverEither) {
   const PlanningCell cell = planned_cell();
   const ClearanceCheck clearance(cell);
   const Arm& arm = cell.arm.arm;
-  const KDL::Chain chain = chain_of(arm);
+  const KDL::Chain chain = test::chain_of(arm);
   KDL::ChainIkSolverPos_LMA solver(chain, 1e-7, 200);
   int refused = 0;
   int reachable = 0;

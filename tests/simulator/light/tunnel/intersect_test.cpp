@@ -11,6 +11,7 @@
 #include "core/rng.h"
 #include "core/units.h"
 #include "simulator/light/tunnel/tunnel.h"
+#include "tests/simulator/light/tunnel/shaped_tunnel.h"
 
 namespace glint {
 namespace {
@@ -19,19 +20,7 @@ using Shape = TunnelSettings::Shape;
 
 class IntersectBlock : public ::testing::TestWithParam<Shape> {
  protected:
-  static TunnelSettings settings() {
-    return {.shape = GetParam(),
-            .base_mm = 3.0,
-            .radius_mm = 110.0,
-            .half_width_mm = 90.0,
-            .height_mm = 120.0,
-            .exponent = 3.5,
-            .opening_rad = 0.7,
-            .panel_height_mm = 120.0,
-            .control_mm = {80.0, 95.0, 130.0, 110.0, 100.0},
-            .length_mm = 1000.0,
-            .slot_mm = 20.0};
-  }
+  static TunnelSettings settings() { return test::raised_tunnel(GetParam(), 20.0); }
 };
 
 /// Rays and where they intersect the tunnel.

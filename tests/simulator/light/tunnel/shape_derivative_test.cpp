@@ -12,6 +12,7 @@
 
 #include "core/rng.h"
 #include "core/units.h"
+#include "tests/simulator/light/tunnel/shaped_tunnel.h"
 
 namespace glint {
 namespace {
@@ -52,18 +53,9 @@ HitGradient gradient_of(const std::array<float, 2>& by, const float& none) {
 class ShapeDerivativeOf : public ::testing::TestWithParam<Shape> {
  protected:
   static TunnelSettings settings() {
-    return {.shape = GetParam(),
-            .base_mm = 3.0,
-            .radius_mm = 110.0,
-            .half_width_mm = 90.0,
-            .height_mm = 120.0,
-            .exponent = 3.5,
-            .opening_rad = 0.7,
-            .panel_height_mm = 120.0,
-            .control_mm = {80.0, 95.0, 130.0, 110.0, 100.0},
-            .length_mm = 1000.0,
-            .slot_mm = 0.0,
-            .blocks_view = false};
+    TunnelSettings settings = test::raised_tunnel(GetParam(), 0.0);
+    settings.blocks_view = false;
+    return settings;
   }
 
   static std::vector<std::string> keys() {

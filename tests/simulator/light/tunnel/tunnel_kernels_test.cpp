@@ -12,6 +12,7 @@
 #include "core/units.h"
 #include "simulator/light/tunnel/spline_kernels.h"
 #include "simulator/light/tunnel/tunnel.h"
+#include "tests/simulator/light/tunnel/shaped_tunnel.h"
 
 namespace glint {
 namespace {
@@ -59,14 +60,8 @@ struct RandomRays {
 class TunnelKernels : public ::testing::TestWithParam<Shape> {};
 
 TEST_P(TunnelKernels, AgreeWithTheExactHitInDouble) {
-  const TunnelSettings settings = {.shape = GetParam(),
-                                   .half_width_mm = 90.0,
-                                   .height_mm = 120.0,
-                                   .exponent = 3.5,
-                                   .opening_rad = 0.7,
-                                   .control_mm = {80.0, 95.0, 130.0, 110.0, 100.0},
-                                   .length_mm = 1000.0,
-                                   .slot_mm = 20.0};
+  TunnelSettings settings = test::shaped_tunnel(GetParam(), 20.0);
+  settings.length_mm = 1000.0;
   const Tunnel tunnel(settings);
   const int count = 5003;  // no multiple of any vector width
   const RandomRays rays(count);
@@ -94,14 +89,7 @@ TEST_P(TunnelKernels, AgreeWithTheExactHitInDouble) {
 
 // Short cuts that skip what a chunk of rays surely misses must not show in any of them.
 TEST_P(TunnelKernels, ARayIsHitTheSameWhateverStandsBesideIt) {
-  const TunnelSettings settings = {.shape = GetParam(),
-                                   .half_width_mm = 90.0,
-                                   .height_mm = 120.0,
-                                   .exponent = 3.5,
-                                   .opening_rad = 0.7,
-                                   .control_mm = {80.0, 95.0, 130.0, 110.0, 100.0},
-                                   .slot_mm = 20.0};
-  const Tunnel tunnel(settings);
+  const Tunnel tunnel(test::shaped_tunnel(GetParam(), 20.0));
   const int count = 2003;
   const RandomRays rays(count);
   const auto size = static_cast<std::size_t>(count);
@@ -149,16 +137,10 @@ TEST(HitSuperellipse, AgreesWithTheExactHitForEveryExponent) {
 
 // Oblique stripes and the cosine law take normal and arc length from the profile.
 TEST_P(TunnelKernels, PatternCoordinateAndCosineFollowTheExactHit) {
-  const TunnelSettings settings = {.shape = GetParam(),
-                                   .half_width_mm = 90.0,
-                                   .height_mm = 120.0,
-                                   .exponent = 3.5,
-                                   .opening_rad = 0.7,
-                                   .control_mm = {80.0, 95.0, 130.0, 110.0, 100.0},
-                                   .length_mm = 1000.0,
-                                   .slot_mm = 20.0,
-                                   .orientation_rad = 0.6,
-                                   .cosine_law = true};
+  TunnelSettings settings = test::shaped_tunnel(GetParam(), 20.0);
+  settings.length_mm = 1000.0;
+  settings.orientation_rad = 0.6;
+  settings.cosine_law = true;
   const Tunnel tunnel(settings);
   const int count = 1000;
   const RandomRays rays(count);

@@ -9,13 +9,13 @@
 #include "core/error.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/imaging/scene_picture.h"
+#include "tests/studies/scene_from.h"
 
 namespace glint {
 namespace {
 
 SceneSettings scene_of(const std::string& lighting) {
-  std::vector<Problem> errors;
-  SceneSettings scene = read_scene(parse_toml(R"(
+  return test::scene_from(R"(
 [part]
 length_mm = 60
 width_mm = 30
@@ -33,11 +33,7 @@ expose_to = 0.9
 positions = 4
 [render.paths]
 samples = 16
-)" + lighting,
-                                              "scene.toml"),
-                                   errors);
-  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front().message());
-  return scene;
+)" + lighting);
 }
 
 /// The value that so many of 100 pixels of the region do not exceed, over all frames.

@@ -7,18 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/config/toml.h"
 #include "studies/evaluation/evaluation.h"
+#include "tests/studies/scene_from.h"
 
 namespace glint {
 namespace {
-
-SceneSettings scene_of(const std::string& text) {
-  std::vector<Problem> errors;
-  SceneSettings scene = read_scene(parse_toml(text, "scene.toml"), errors);
-  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front().message());
-  return scene;
-}
 
 constexpr const char* kRingAndBar = R"(
 [lighting.ring]
@@ -36,7 +29,7 @@ position_mm = [0, 0, 150]
 // Semicylinder of 100 mm, 600 long, no slot: area 100 pi times 600. 24 frames of 8 ms and 23 moves
 // of 50 ms: 192 + 1150 = 1342 ms. 0.02 a mm2 and 1.5 a frame.
 TEST(LightingTotals, OfATunnel) {
-  const LightingTotals totals = lighting_totals(scene_of(R"(
+  const LightingTotals totals = lighting_totals(test::scene_from(R"(
 [lighting.tunnel]
 radius_mm = 100
 length_mm = 600
@@ -65,7 +58,7 @@ per_frame = 1.5
 TEST(LightingTotals, OfRingAndBarTogetherAndOfOneOfThem) {
   const std::string cost = "[cost]\nexposure_ms = 4\nper_led = 0.5\nper_mm2 = 0.001\n";
   const double leds_mm2 = 24.0 * kPi * 4.0;
-  const LightingTotals both = lighting_totals(scene_of(kRingAndBar + cost));
+  const LightingTotals both = lighting_totals(test::scene_from(kRingAndBar + cost));
   EXPECT_NEAR(both.size->length_mm, 300.0, 1e-9);
   EXPECT_NEAR(both.size->width_mm, 2.0 * (40.0 * std::cos(7.5 * kRadPerDeg) + 2.0), 1e-9);
   EXPECT_NEAR(both.size->height_mm, 70.0, 1e-9);
@@ -75,7 +68,7 @@ TEST(LightingTotals, OfRingAndBarTogetherAndOfOneOfThem) {
   EXPECT_NEAR(both.scan_s.value(), 0.004, 1e-12);
   EXPECT_NEAR(both.cost.value(), 12.0 + 0.001 * (leds_mm2 + 6000.0), 1e-9);
   const LightingTotals bar =
-      lighting_totals(scene_of("lighting_use = \"bar\"\n" + (kRingAndBar + cost)));
+      lighting_totals(test::scene_from("lighting_use = \"bar\"\n" + (kRingAndBar + cost)));
   EXPECT_NEAR(bar.size->area_mm2, 6000.0, 1e-9);
   EXPECT_NEAR(bar.size->width_mm, 20.0, 1e-9);
   EXPECT_EQ(bar.leds, 0);
@@ -84,20 +77,21 @@ TEST(LightingTotals, OfRingAndBarTogetherAndOfOneOfThem) {
 // A tunnel that shines only beside the ring is scanned; the ring alone takes one picture.
 TEST(LightingTotals, TheScanIsThatOfTheLightsThatShine) {
   const std::string both = "[scan]\npositions = 8\n[lighting.tunnel]\n[lighting.ring]\n";
-  EXPECT_EQ(lighting_totals(scene_of(both)).frames, 8);
-  EXPECT_EQ(lighting_totals(scene_of("lighting_use = \"ring\"\n" + both)).frames, 1);
+  EXPECT_EQ(lighting_totals(test::scene_from(both)).frames, 8);
+  EXPECT_EQ(lighting_totals(test::scene_from("lighting_use = \"ring\"\n" + both)).frames, 1);
 }
 
 TEST(LightingTotals, ALightOfNoPowerDoesNotCount) {
   const LightingTotals totals =
-      lighting_totals(scene_of("[lighting.ring]\nradiance = [0]\n[lighting.bar]\n"));
+      lighting_totals(test::scene_from("[lighting.ring]\nradiance = [0]\n[lighting.bar]\n"));
   EXPECT_NEAR(totals.size->area_mm2, 4000.0, 1e-9);
-  EXPECT_FALSE(lighting_totals(scene_of("[lighting.bar]\nradiance = [0]\n")).size.has_value());
+  EXPECT_FALSE(
+      lighting_totals(test::scene_from("[lighting.bar]\nradiance = [0]\n")).size.has_value());
 }
 
 // The camera stands 100 mm above the part and looks down; the ring on it is 30 mm before it.
 TEST(LightingTotals, LightsStandWhereTheyAreMounted) {
-  const SceneSettings scene = scene_of(R"(
+  const SceneSettings scene = test::scene_from(R"(
 [[viewpoint]]
 position_mm = [0, 0, 100]
 direction = [0, 0, -1]
@@ -114,7 +108,7 @@ position_mm = [0, 0, -5]
 }
 
 TEST(LightingTotals, WithAnEnvironmentHaveNoSize) {
-  SceneSettings scene = scene_of(R"(
+  SceneSettings scene = test::scene_from(R"(
 [lighting.ring]
 leds = 12
 [lighting.environment]
@@ -131,7 +125,7 @@ per_led = 2
 }
 
 TEST(LightingTotals, WithoutCostHaveNeitherTimeNorPrice) {
-  const LightingTotals totals = lighting_totals(scene_of("[lighting.tunnel]\n"));
+  const LightingTotals totals = lighting_totals(test::scene_from("[lighting.tunnel]\n"));
   EXPECT_FALSE(totals.scan_s.has_value());
   EXPECT_FALSE(totals.cost.has_value());
   Scores scores;
@@ -142,7 +136,7 @@ TEST(LightingTotals, WithoutCostHaveNeitherTimeNorPrice) {
 
 // The part's file is not there, so nothing can have been traced.
 TEST(LightingScores, AreEvaluatedWithoutAPicture) {
-  SceneSettings scene = scene_of("[lighting.tunnel]\nradius_mm = 120\nslot_mm = 0\n");
+  SceneSettings scene = test::scene_from("[lighting.tunnel]\nradius_mm = 120\nslot_mm = 0\n");
   scene.part.shape = PartSettings::Shape::kMesh;
   scene.part.file = "no_such_file.stl";
   Goal goal;

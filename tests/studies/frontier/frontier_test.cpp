@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/config/toml.h"
 #include "core/rng.h"
 #include "studies/definition/ladder/larger_pixels.h"
 #include "studies/evaluation/evaluation.h"
@@ -18,6 +17,7 @@
 #include "studies/frontier/frontier_errors.h"
 #include "studies/frontier/frontier_methods.h"
 #include "studies/frontier/frontier_page.h"
+#include "tests/studies/scene_from.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -57,10 +57,7 @@ diameter_mm = 3
 )";
 
 SceneSettings frontier_scene() {
-  std::vector<Problem> errors;
-  const SceneSettings scene = read_scene(parse_toml(kFrontierStudy, "study.toml"), errors);
-  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front().message());
-  return scene;
+  return test::scene_from(kFrontierStudy);
 }
 
 /// The same without what bands do not have: noise.

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "core/config/toml.h"
 #include "core/rng.h"
 #include "studies/frontier/design_ranking.h"
 #include "studies/frontier/frontier_choice.h"
@@ -17,6 +16,7 @@
 #include "studies/frontier/frontier_methods.h"
 #include "studies/frontier/frontier_page.h"
 #include "studies/frontier/picture_errors.h"
+#include "tests/studies/scene_from.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -64,10 +64,7 @@ batches = 2
 )";
 
 SceneSettings ring_scene() {
-  std::vector<Problem> errors;
-  const SceneSettings scene = read_scene(parse_toml(kRingStudy, "study.toml"), errors);
-  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front().message());
-  return scene;
+  return test::scene_from(kRingStudy);
 }
 
 const FrontierPoint& point_named(const Frontier& frontier, const std::string& label) {

@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/config/toml.h"
 #include "core/rng.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/frontier/path_frontier.h"
 #include "studies/frontier/pooled_score.h"
+#include "tests/studies/scene_from.h"
 
 namespace glint {
 namespace {
@@ -118,8 +118,7 @@ constexpr double kOuter_mm = 45.0;
 constexpr double kAbovePlate_mm = 42.5;
 
 SceneSettings matt_plate() {
-  std::vector<Problem> errors;
-  const SceneSettings scene = read_scene(parse_toml(R"(
+  return test::scene_from(R"(
 schema = 1
 [part]
 shape = "plate"
@@ -155,11 +154,7 @@ radiance = [2]
 samples = 4
 max_reflections = 1
 batches = 2
-)",
-                                                    "scene.toml"),
-                                         errors);
-  EXPECT_TRUE(errors.empty()) << (errors.empty() ? "" : errors.front().message());
-  return scene;
+)");
 }
 
 /// Share of the hemisphere's irradiance that a luminous disc gives to a parallel plane, at a

@@ -6,24 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "core/config/toml.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/imaging/traced_scene.h"
+#include "tests/studies/scene_from.h"
 
 namespace glint {
-
-inline SceneSettings path_scene_from(const std::string& text) {
-  std::vector<Problem> errors;
-  SceneSettings scene = read_scene(parse_toml(text, "scene.toml"), errors);
-  if (!errors.empty()) {
-    throw ConfigError(errors);
-  }
-  return scene;
-}
 
 /// A rough plate of 12 mm with a dent, 48 x 32 pixels, without light.
 inline const std::string kPathPlate = R"(
@@ -72,7 +62,7 @@ width_mm = 10
 )";
 
 inline SceneSettings path_scene(const std::string& lights = kPathRing + kPathBar) {
-  return path_scene_from(kPathPlate + lights);
+  return test::scene_from(kPathPlate + lights);
 }
 
 /// Largest difference as a share of the second picture's largest value.

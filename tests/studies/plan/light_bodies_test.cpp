@@ -3,23 +3,17 @@
 
 #include <gtest/gtest.h>
 
-#include "core/config/toml.h"
+#include "tests/studies/scene_from.h"
 
 namespace glint {
 namespace {
 
-SceneSettings scene_of(const std::string& text) {
-  std::vector<Problem> errors;
-  const SceneSettings scene = read_scene(parse_toml(text, "scene.toml"), errors);
-  EXPECT_TRUE(errors.empty());
-  return scene;
-}
-
 // A flat ring 80 mm before the pinhole, between 30 and 60 mm from its axis.
 TEST(LightBodies, OfARingOnTheCameraAreInItsFrame) {
   const std::vector<SolidBody> bodies = light_bodies(
-      scene_of("schema = 1\n[part]\nshape = \"plate\"\n[lighting.ring]\nmount = \"camera\"\n"
-               "inner_radius_mm = 30\nouter_radius_mm = 60\nheight_mm = 80\n"),
+      test::scene_from(
+          "schema = 1\n[part]\nshape = \"plate\"\n[lighting.ring]\nmount = \"camera\"\n"
+          "inner_radius_mm = 30\nouter_radius_mm = 60\nheight_mm = 80\n"),
       2.0);
   ASSERT_EQ(bodies.size(), 1U);
   EXPECT_EQ(bodies[0].kind, SolidBody::Kind::kCarried);
@@ -34,8 +28,9 @@ TEST(LightBodies, OfARingOnTheCameraAreInItsFrame) {
 
 TEST(LightBodies, OfADomeStandInTheScene) {
   const std::vector<SolidBody> bodies = light_bodies(
-      scene_of("schema = 1\n[part]\nshape = \"plate\"\n[lighting.dome]\ntype = \"dome\"\n"
-               "radius_mm = 100\nopening_mm = 30\n[lighting.sky]\ntype = \"environment\"\n"),
+      test::scene_from(
+          "schema = 1\n[part]\nshape = \"plate\"\n[lighting.dome]\ntype = \"dome\"\n"
+          "radius_mm = 100\nopening_mm = 30\n[lighting.sky]\ntype = \"environment\"\n"),
       1.0);
   ASSERT_EQ(bodies.size(), 1U) << "an environment is no body";
   EXPECT_EQ(bodies[0].kind, SolidBody::Kind::kStanding);
@@ -45,8 +40,8 @@ TEST(LightBodies, OfADomeStandInTheScene) {
 }
 
 TEST(LightBodies, OfATunnelAreItsWall) {
-  const std::vector<SolidBody> bodies =
-      light_bodies(scene_of("schema = 1\n[part]\nshape = \"plate\"\n[lighting.tunnel]\n"), 1.0);
+  const std::vector<SolidBody> bodies = light_bodies(
+      test::scene_from("schema = 1\n[part]\nshape = \"plate\"\n[lighting.tunnel]\n"), 1.0);
   ASSERT_EQ(bodies.size(), 1U);
   EXPECT_GT(bodies[0].mesh.num_triangles(), 4U);
 }

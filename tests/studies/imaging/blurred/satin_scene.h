@@ -4,10 +4,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "core/config/toml.h"
-#include "studies/definition/scene.h"
+#include "tests/studies/scene_from.h"
 
 namespace glint::satin_test {
 
@@ -58,18 +56,8 @@ max_reflections = 1
 
 inline const std::string kBlurred = "[render]\nmethod = \"blurred\"\n";
 
-/// @throws ConfigError
-inline SceneSettings scene_from(const std::string& text) {
-  std::vector<Problem> errors;
-  SceneSettings scene = read_scene(parse_toml(text, "scene.toml"), errors);
-  if (!errors.empty()) {
-    throw ConfigError(errors);
-  }
-  return scene;
-}
-
 inline SceneSettings satin_scene(const std::string& render = kBlurred) {
-  return scene_from(kPart + kMetal + kTunnel + kRest + render);
+  return test::scene_from(kPart + kMetal + kTunnel + kRest + render);
 }
 
 }  // namespace glint::satin_test

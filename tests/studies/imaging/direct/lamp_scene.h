@@ -5,10 +5,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "core/config/toml.h"
-#include "studies/definition/scene.h"
+#include "tests/studies/scene_from.h"
 
 namespace glint::lamp_test {
 
@@ -73,20 +71,10 @@ width_mm = 10
 radiance = [2]
 )";
 
-/// @throws ConfigError
-inline SceneSettings scene_from(const std::string& text) {
-  std::vector<Problem> errors;
-  SceneSettings scene = read_scene(parse_toml(text, "scene.toml"), errors);
-  if (!errors.empty()) {
-    throw ConfigError(errors);
-  }
-  return scene;
-}
-
 inline SceneSettings lamp_scene(const std::string& lights,
                                 const std::string& width = "alpha = [0.2]\n",
                                 const std::string& render = kDirect) {
-  return scene_from(kSteel + width + kPlate + render + lights);
+  return test::scene_from(kSteel + width + kPlate + render + lights);
 }
 
 inline SceneSettings by_paths(SceneSettings scene) {

@@ -7,9 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/file.h"
-#include "studies/accuracy/chosen_accuracy.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/studies/accuracy/chosen_for.h"
 
 namespace glint {
 namespace {
@@ -63,15 +61,6 @@ tolerance = {{ "homogeneity.h_rms" = 0.03 }}
          more;
 }
 
-ChosenAccuracy chosen_for(const std::string& text) {
-  const TemporaryFolder folder;
-  write_file(folder / "study.toml", text);
-  const Study study = load_study(folder / "study.toml", {});
-  ThreadPool pool(2);
-  SceneStore store(pool);
-  return choose_accuracy({.study = study, .store = store, .jobs = 1});
-}
-
 const StepReport* blurred_step(const ChosenAccuracy& chosen) {
   for (std::size_t i = 0; i < chosen.ladder.size(); ++i) {
     if (chosen.ladder[i].level == "blurred") {
@@ -82,7 +71,7 @@ const StepReport* blurred_step(const ChosenAccuracy& chosen) {
 }
 
 TEST(BlurredRung, ServesASatinTunnel) {
-  const ChosenAccuracy chosen = chosen_for(study_text(60, 0.05));
+  const ChosenAccuracy chosen = test::chosen_for(study_text(60, 0.05));
   const StepReport* step = blurred_step(chosen);
   ASSERT_NE(step, nullptr);
   EXPECT_TRUE(chosen.choice.is_reached);
@@ -94,13 +83,13 @@ TEST(BlurredRung, ServesASatinTunnel) {
 }
 
 TEST(BlurredRung, IsNotOneOfRougherMetal) {
-  const ChosenAccuracy chosen = chosen_for(study_text(60, 0.3));
+  const ChosenAccuracy chosen = test::chosen_for(study_text(60, 0.3));
   EXPECT_EQ(blurred_step(chosen), nullptr);
   EXPECT_EQ(chosen.rung().level, "direct light");
 }
 
 TEST(BlurredRung, CannotRenderABowl) {
-  const ChosenAccuracy chosen = chosen_for(study_text(-10, 0.05));
+  const ChosenAccuracy chosen = test::chosen_for(study_text(-10, 0.05));
   const StepReport* step = blurred_step(chosen);
   ASSERT_NE(step, nullptr);
   EXPECT_EQ(step->skipped, "cannot render every design");

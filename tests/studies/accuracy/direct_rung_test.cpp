@@ -7,9 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/file.h"
-#include "studies/accuracy/chosen_accuracy.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/studies/accuracy/chosen_for.h"
 
 namespace glint::direct_rung_test {
 namespace {
@@ -54,22 +52,13 @@ tolerance = { "homogeneity.h_rms" = 0.1 }
 )" + lights;
 }
 
-ChosenAccuracy chosen_for(const std::string& text) {
-  const TemporaryFolder folder;
-  write_file(folder / "study.toml", text);
-  const Study study = load_study(folder / "study.toml", {});
-  ThreadPool pool(2);
-  SceneStore store(pool);
-  return choose_accuracy({.study = study, .store = store, .jobs = 1});
-}
-
 bool has_sums(const ChosenAccuracy& chosen) {
   return std::ranges::any_of(chosen.ladder,
                              [](const RenderRung& rung) { return rung.level == "direct sum"; });
 }
 
 TEST(DirectRung, ServesMetalUnderARing) {
-  const ChosenAccuracy chosen = chosen_for(study_text(""));
+  const ChosenAccuracy chosen = test::chosen_for(study_text(""));
   EXPECT_TRUE(chosen.choice.is_reached);
   EXPECT_EQ(chosen.rung().level, "direct sum") << chosen.rung().name;
   const auto& bounds = chosen.choice.steps[chosen.choice.step].bounds;
@@ -80,13 +69,13 @@ TEST(DirectRung, ServesMetalUnderARing) {
 
 TEST(DirectRung, IsNotOneUnderASky) {
   const ChosenAccuracy chosen =
-      chosen_for(study_text("[lighting.sky]\ntype = \"environment\"\nradiance = [0.1]\n"));
+      test::chosen_for(study_text("[lighting.sky]\ntype = \"environment\"\nradiance = [0.1]\n"));
   EXPECT_FALSE(has_sums(chosen));
   EXPECT_EQ(chosen.rung().level, "direct light");
 }
 
 TEST(DirectRung, IsNotOneWherePathsAreAskedForByName) {
-  EXPECT_FALSE(has_sums(chosen_for(study_text("[render]\nmethod = \"paths\"\n"))));
+  EXPECT_FALSE(has_sums(test::chosen_for(study_text("[render]\nmethod = \"paths\"\n"))));
 }
 
 }  // namespace

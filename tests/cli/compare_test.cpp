@@ -192,7 +192,7 @@ class ComparedDesign : public CompareVerb {
  protected:
   void SetUp() override {
     write_file(folder_ / "study.toml",
-               std::string(kDentedPlate) +
+               kDentedPlate +
                    "[variables]\n\"lighting.ring.height_mm\" = { min = 40, max = 90 }\n"
                    "[objective]\nmaximise = \"defects.min_cnr\"\n[budget]\nevaluations = 2\n");
     call({"run", "study.toml", "--quiet", "--out", "run"});

@@ -277,7 +277,7 @@ TEST_F(Page, OfPopulationsIsDrawn) {
 }
 
 TEST_F(Page, OfAValidationIsDrawn) {
-  write_file(folder_ / "study.toml", std::string(kRingOrBar) + R"([objective]
+  write_file(folder_ / "study.toml", kRingOrBar + R"([objective]
 maximise = "defects.min_cnr"
 [validate]
 )");

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/program.h"
+#include "tests/studies/evaluation/covered_plate.h"
+#include "tests/studies/reference/photographed_plate.h"
 #include "tests/support/page_data.h"
 
 namespace glint::test {
@@ -288,77 +290,19 @@ TEST(GlintRun, WhereEveryEvaluationFailsExitsWithOne) {
   EXPECT_EQ(json["failed"], json["evaluations"]);
 }
 
-/// A plate of 60 x 40 x 2 mm under a camera whose distance is searched for.
-constexpr const char* kCoveredPlate = R"(schema = 1
-[part]
-shape = "plate"
-length_mm = 60
-width_mm = 40
-thickness_mm = 2
-[material]
-type = "diffuse"
-reflectance = [0.5]
-[camera]
-width_px = 80
-height_px = 60
-object_pixel_mm = 1
-working_distance_mm = 300
-[viewpoints]
-source = "sphere"
-count = 1
-polar_min_deg = 0
-polar_max_deg = 0
-[lighting.environment]
-[render.paths]
-samples = 4
-[coverage]
-points = 4000
-has_light = false
-[variables]
-"viewpoints.radius_mm" = { min = 100, max = 400 }
-[objective]
-maximise = "coverage.c1"
-[budget]
-evaluations = 12
-)";
-
 // From 225 mm on the picture holds the plate's whole top, 2400 of 5200 mm2; from 100 mm a fifth of
 // it.
 TEST(GlintRun, SearchesForCoverage) {
   const TemporaryFolder folder;
-  write_file(folder / "study.toml", kCoveredPlate);
+  write_file(folder / "study.toml",
+             std::string(kCoveredPlate) +
+                 "[objective]\nmaximise = \"coverage.c1\"\n[budget]\nevaluations = 12\n");
   const ProgramResult printed = glint_in(folder, run_arguments("out"));
   ASSERT_EQ(printed.code, 0) << printed.err;
   const Json best = Json::parse(printed.out)["best"];
   EXPECT_NEAR(best["scores"]["coverage.c1"].get<double>(), 2400.0 / 5200.0, 0.01);
   EXPECT_GT(best["variables"]["viewpoints.radius_mm"].get<double>(), 210.0);
 }
-
-/// A bright plate of 12 x 8 mm before black, 96 x 64 pixels; its own picture is the photograph.
-constexpr const char* kPhotographedPlate = R"(schema = 2
-[part]
-shape = "plate"
-length_mm = 12
-width_mm = 8
-thickness_mm = 1
-[material]
-type = "diffuse"
-reflectance = [0.5]
-[camera]
-width_px = 96
-height_px = 64
-object_pixel_mm = 0.2
-working_distance_mm = 100
-[lighting.ring]
-inner_radius_mm = 15
-outer_radius_mm = 25
-height_mm = 30
-radiance = [3]
-[render.paths]
-samples = 16
-batches = 1
-max_reflections = 1
-)";
 
 // Longer exposures are farther from the photograph: the limit ends them.
 TEST(GlintRun, KeepsALimitOfLikenessToAPhotograph) {

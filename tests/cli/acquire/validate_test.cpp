@@ -20,7 +20,7 @@ using testing::HasSubstr;
 class Validate : public testing::Test {
  protected:
   void SetUp() override {
-    write_file(folder_ / "study.toml", std::string(kRingOrBar) + "[validate]\ndesigns = \"bar\"\n");
+    write_file(folder_ / "study.toml", kRingOrBar + "[validate]\ndesigns = \"bar\"\n");
     const ProgramResult run = glint_in(folder_, {"run", "study.toml", "--quiet", "--out", "run"});
     ASSERT_EQ(run.code, 0) << run.err;
   }

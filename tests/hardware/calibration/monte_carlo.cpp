@@ -232,8 +232,9 @@ std::string table_of(const std::string& name, const TrialsByMethod& trials) {
                   "deg/b",
                   "mm/b",
                   "px/b");
-  for (const auto& [method, errors] : trials) {
-    const auto count = [&](bool TrialErrors::*flag) {
+  for (const auto& [method, method_errors] : trials) {
+    const std::vector<TrialErrors>& errors = method_errors;  // older Clangs capture no binding
+    const auto count = [&errors](bool TrialErrors::*flag) {
       return std::ranges::count(errors, true, flag);
     };
     text += fmt::format(

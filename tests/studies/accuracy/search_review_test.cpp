@@ -20,6 +20,7 @@
 #include "core/file.h"
 #include "optimizer/storage/sqlite.h"
 #include "tests/studies/accuracy/faked_clock.h"
+#include "tests/studies/imaging/path_support.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -33,29 +34,11 @@ constexpr const char* kMade = "homogeneity.mean";
 constexpr int kEvaluations = 90;
 constexpr int kCoarse = 8;  ///< samples of the rung that is wrong
 
-const char* const kStudy = R"(schema = 1
-[part]
-shape = "plate"
-length_mm = 12
-width_mm = 8
-thickness_mm = 1
-[material]
-type = "conductor"
-roughness = 0.5
-[camera]
-width_px = 48
-height_px = 32
-object_pixel_mm = 0.2
-working_distance_mm = 100
-[render]
+const std::string kStudy = "schema = 1\n" + kPathView + kPathRing + R"([render]
 method = "paths"
 [render.paths]
 samples = 16
 max_reflections = 1
-[lighting.ring]
-inner_radius_mm = 15
-outer_radius_mm = 25
-height_mm = 30
 [variables]
 "lighting.ring.height_mm" = { min = 20, max = 60 }
 "lighting.ring.inner_radius_mm" = { min = 5, max = 20 }

@@ -16,6 +16,7 @@
 #include "studies/definition/study.h"
 #include "studies/imaging/scene_picture.h"
 #include "studies/reach/scene_cell.h"
+#include "tests/studies/cell/ur3_cells.h"
 #include "tests/studies/validate/trial_cell.h"
 #include "tests/support/temporary_folder.h"
 
@@ -58,24 +59,6 @@ direction = [-0.2, 0.2, -0.96]
 up = [0.34, 0.94, 0]
 )";
 
-constexpr const char* kCell = R"([robot]
-model = "ur3"
-host = "127.0.0.1"
-flange_from_tcp = [0, 0, 80, 0, 0, 0]
-tool_radius_mm = 35
-payload_kg = 0.6
-[limits]
-tool_speed_mm_s = 250
-tool_acceleration_mm_s2 = 500
-joint_speed_deg_s = 60
-joint_acceleration_deg_s2 = 120
-box_min_mm = [-600, -600, -50]
-box_max_mm = [600, 600, 900]
-[[safe_position]]
-name = "high"
-joints_deg = [0, -110, 70, -50, -90, 0]
-)";
-
 /// Of 3 x 3 blocks around one how many pixels of the rendered part's mask there are, and of all.
 std::array<int, 2> pixels_around(const Mask& rendered, int factor, int x, int y) {
   std::array<int, 2> counts = {0, 0};
@@ -101,7 +84,7 @@ PlannedView first_view_of(const SceneSettings& scene, const Cell& cell) {
 TEST(ExpectedParts, AreWhereThePartIsRendered) {
   const TemporaryFolder folder;
   write_file(folder / "scene.toml", kScene);
-  write_file(folder / "cell.toml", kCell);
+  write_file(folder / "cell.toml", test::kUr3Cell);
   const SceneSettings scene = load_study(folder / "scene.toml", {}).scene;
   const Cell cell = read_cell(folder / "cell.toml");
   ThreadPool pool(1);
@@ -156,7 +139,7 @@ ImageF means_of(const ImageF& grey) {
 TEST(ExpectedParts, TellARenderedPictureFromItsBlurredCopy) {
   const TemporaryFolder folder;
   write_file(folder / "scene.toml", kTrialScene);
-  write_file(folder / "cell.toml", kCell);
+  write_file(folder / "cell.toml", test::kUr3Cell);
   const SceneSettings scene = load_study(folder / "scene.toml", {}).scene;
   const Cell cell = read_cell(folder / "cell.toml");
   ThreadPool pool(1);
@@ -184,7 +167,7 @@ TEST(ExpectedParts, AreAsBlurredAsTheirLensMakesThem) {
   const TemporaryFolder folder;
   const std::string text = kTrialScene;
   write_file(folder / "scene.toml", text + "[lens]\nfocus_mm = 150\nf_number = 2\n");
-  write_file(folder / "cell.toml", kCell);
+  write_file(folder / "cell.toml", test::kUr3Cell);
   const SceneSettings scene = load_study(folder / "scene.toml", {}).scene;
   const Cell cell = read_cell(folder / "cell.toml");
   const double blur_px =

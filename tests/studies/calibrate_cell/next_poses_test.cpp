@@ -9,6 +9,7 @@
 #include "hardware/planning/clearance.h"
 #include "hardware/planning/plan_check.h"
 #include "studies/reach/scene_cell.h"
+#include "tests/studies/cell/ur3_cells.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint::calibrate_cell_detail {
@@ -16,24 +17,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-constexpr const char* kCell = R"([robot]
-model = "ur3"
-host = "127.0.0.1"
-flange_from_tcp = [0, 0, 80, 0, 0, 0]
-tool_radius_mm = 35
-payload_kg = 0.6
-[limits]
-tool_speed_mm_s = 250
-tool_acceleration_mm_s2 = 500
-joint_speed_deg_s = 60
-joint_acceleration_deg_s2 = 120
-box_min_mm = [-600, -600, -50]
-box_max_mm = [600, 600, 900]
-[[safe_position]]
-name = "high"
-joints_deg = [0, -110, 70, -50, -90, 0]
-)";
 
 JointVector joints_at(double turn_deg) {
   JointVector joints_rad;
@@ -50,7 +33,8 @@ class NextPoses : public testing::Test {
 
   /// Upright, as high as the tool's tip when it is turned by so much about the base.
   std::string post_at(double turn_deg) const {
-    const Eigen::Vector3d at_mm = cell_of(kCell).arm.arm.forward(joints_at(turn_deg)).translation();
+    const Eigen::Vector3d at_mm =
+        cell_of(test::kUr3Cell).arm.arm.forward(joints_at(turn_deg)).translation();
     return fmt::format(
         "[[obstacle]]\nname = \"post\"\nposition_mm = [{}, {}, 135]\nsize_mm = [20, 20, 270]\n",
         at_mm.x(),
@@ -79,14 +63,14 @@ std::vector<std::string> names_of(const std::vector<PlannedView>& views) {
 }
 
 TEST_F(NextPoses, AreTheBestOnesWhereNothingIsInTheWay) {
-  const ReachedPoses poses = reached(kCell, 2);
+  const ReachedPoses poses = reached(test::kUr3Cell, 2);
   EXPECT_THAT(names_of(poses.plan.views), ElementsAre("-40", "40"));
   EXPECT_TRUE(poses.refused.empty());
   EXPECT_EQ(poses.plan.paths.size(), 3U);
 }
 
 TEST_F(NextPoses, ThatTouchAPostAreReplacedByOthers) {
-  const ReachedPoses poses = reached(kCell + post_at(40.0), 2);
+  const ReachedPoses poses = reached(test::kUr3Cell + post_at(40.0), 2);
   EXPECT_THAT(names_of(poses.plan.views), ElementsAre("-40", "60"));
   ASSERT_THAT(names_of(poses.refused), ElementsAre("40"));
   EXPECT_EQ(name_of(poses.refused[0].outcome), "collision");
@@ -94,7 +78,7 @@ TEST_F(NextPoses, ThatTouchAPostAreReplacedByOthers) {
 }
 
 TEST_F(NextPoses, AreReachedAroundAPost) {
-  const std::string text = kCell + post_at(0.0);
+  const std::string text = test::kUr3Cell + post_at(0.0);
   const PlanningCell cell = cell_of(text);
   const ClearanceCheck clearance(cell);
   ASSERT_FALSE(clearance.along(joints_at(-40.0), joints_at(40.0)).is_free());
@@ -109,7 +93,7 @@ TEST_F(NextPoses, AreReachedAroundAPost) {
 
 // Pictures of a round that was interrupted are told by the joints that they were taken at.
 TEST_F(NextPoses, AreTheSameWhenTheyAreReadAgain) {
-  const ReachedPoses poses = reached(kCell + post_at(40.0), 2);
+  const ReachedPoses poses = reached(test::kUr3Cell + post_at(40.0), 2);
   keep_poses(poses, folder_ / "cell.toml", folder_ / "tour.json");
   const ReachedPoses kept = kept_poses(folder_ / "tour.json");
   EXPECT_EQ(names_of(kept.plan.views), names_of(poses.plan.views));
@@ -126,15 +110,15 @@ TEST_F(NextPoses, AreTheSameWhenTheyAreReadAgain) {
 }
 
 TEST_F(NextPoses, TellWhatStandsInTheirWaySinceTheyWereChosen) {
-  const ReachedPoses poses = reached(kCell, 2);
-  EXPECT_EQ(obstruction(cell_of(kCell), poses.plan), "");
-  EXPECT_THAT(obstruction(cell_of(kCell + post_at(40.0)), poses.plan), HasSubstr("post"));
+  const ReachedPoses poses = reached(test::kUr3Cell, 2);
+  EXPECT_EQ(obstruction(cell_of(test::kUr3Cell), poses.plan), "");
+  EXPECT_THAT(obstruction(cell_of(test::kUr3Cell + post_at(40.0)), poses.plan), HasSubstr("post"));
 }
 
 TEST_F(NextPoses, KeepTheCameraClearWhereItIsKnown) {
   const std::string room = "[planning]\ncamera_size_mm = [40, 40, 90]\n";
   try {
-    cell_of(kCell + room);
+    cell_of(test::kUr3Cell + room);
     ADD_FAILURE() << "the camera's room was left out";
   } catch (const ConfigError& error) {
     EXPECT_THAT(error.what(), HasSubstr("planning.camera_size_mm"));
@@ -142,7 +126,8 @@ TEST_F(NextPoses, KeepTheCameraClearWhereItIsKnown) {
   write_file(folder_ / "drawing.toml",
              "[calibration.flange_from_camera]\ntranslation_mm = [0, 50, 30]\n"
              "rotation_vector_deg = [0, 0, 0]\n");
-  const PlanningCell cell = cell_of(kCell + room + "[calibration]\nfile = \"drawing.toml\"\n");
+  const PlanningCell cell =
+      cell_of(test::kUr3Cell + room + "[calibration]\nfile = \"drawing.toml\"\n");
   ASSERT_EQ(cell.carried.size(), 1U);
   EXPECT_EQ(cell.carried[0].name, "camera");
 }

@@ -7,6 +7,7 @@
 #include "core/file.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
+#include "tests/studies/evaluation/covered_plate.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -18,41 +19,10 @@ using ::testing::Key;
 using ::testing::Not;
 using ::testing::ThrowsMessage;
 
-/// A plate of 60 x 40 x 2 mm, a camera whose picture is wider, and one that can be moved along x.
-constexpr const char* kMovedView = R"(
-schema = 1
-[part]
-shape = "plate"
-length_mm = 60
-width_mm = 40
-thickness_mm = 2
-[material]
-type = "diffuse"
-reflectance = [0.5]
-[camera]
-width_px = 80
-height_px = 60
-object_pixel_mm = 1
-working_distance_mm = 300
-[viewpoints]
-source = "sphere"
-count = 1
-polar_min_deg = 0
-polar_max_deg = 0
-[lighting.environment]
-[render.paths]
-samples = 4
-[coverage]
-points = 4000
-has_light = false
-[variables]
-"viewpoints.radius_mm" = { min = 100, max = 400 }
-)";
-
 class CoverageScores : public ::testing::Test {
  protected:
   Study study(const std::string& goal) {
-    write_file(folder_ / "study.toml", std::string(kMovedView) + goal);
+    write_file(folder_ / "study.toml", std::string(test::kCoveredPlate) + goal);
     return load_study(folder_ / "study.toml", {});
   }
 

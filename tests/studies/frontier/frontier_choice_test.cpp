@@ -10,6 +10,7 @@
 #include "core/file.h"
 #include "studies/frontier/design_ranking.h"
 #include "studies/frontier/frontier_methods.h"
+#include "tests/studies/frontier/steel_under_ring.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -137,45 +138,12 @@ TEST(FrontierChoice, IsARungThatASearchMayTake) {
   EXPECT_EQ(chosen_by(three_points(), any, ladder), "none");
 }
 
-/// Brushed steel under a ring light, whose file sets 8 samples and 2 reflections.
-constexpr const char* kSteelStudy = R"(
-schema = 1
-title = "Ring"
-[part]
-shape = "plate"
-length_mm = 48
-width_mm = 36
-thickness_mm = 5
-[material]
-type = "conductor"
-colour_srgb = [196, 199, 199]
-roughness = 0.4
-[camera]
-width_px = 24
-height_px = 18
-object_pixel_mm = 1.2
-working_distance_mm = 180
-[sensor]
-wavelengths_nm = [630]
-bits = 8
-[lighting.ring]
-mount = "camera"
-inner_radius_mm = 30
-outer_radius_mm = 60
-height_mm = 80
-radiance = [2]
-[render.paths]
-samples = 8
-max_reflections = 2
-[variables]
-"lighting.ring.height_mm" = { min = 40, max = 160 }
-[objective]
-maximise = "homogeneity.h_rms"
-)";
-
 Study steel_study(const std::vector<KeyValue>& sets) {
   const TemporaryFolder folder;
-  write_file(folder / "study.toml", kSteelStudy);
+  write_file(folder / "study.toml",
+             std::string(test::kSteelUnderRing) +
+                 "[variables]\n\"lighting.ring.height_mm\" = { min = 40, max = 160 }\n"
+                 "[objective]\nmaximise = \"homogeneity.h_rms\"\n");
   return load_study(folder / "study.toml", sets);
 }
 

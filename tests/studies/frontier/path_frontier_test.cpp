@@ -16,6 +16,7 @@
 #include "studies/frontier/frontier_methods.h"
 #include "studies/frontier/frontier_page.h"
 #include "studies/frontier/picture_errors.h"
+#include "tests/studies/frontier/steel_under_ring.h"
 #include "tests/studies/scene_from.h"
 #include "tests/support/temporary_folder.h"
 
@@ -25,42 +26,13 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-/// Brushed steel under a ring light; the second dent lies outside the picture.
-constexpr const char* kRingStudy = R"(
-schema = 1
-title = "Ring"
-[part]
-shape = "plate"
-length_mm = 48
-width_mm = 36
-thickness_mm = 5
-[material]
-type = "conductor"
-colour_srgb = [196, 199, 199]
-roughness = 0.4
-[camera]
-width_px = 24
-height_px = 18
-object_pixel_mm = 1.2
-working_distance_mm = 180
-[sensor]
-wavelengths_nm = [630]
-bits = 8
+/// With a dent.
+const std::string kRingStudy = std::string(test::kSteelUnderRing) + R"(batches = 2
 [defects.dent]
 x_mm = [3]
 y_mm = [2]
 height_um = 400
 diameter_mm = 6
-[lighting.ring]
-mount = "camera"
-inner_radius_mm = 30
-outer_radius_mm = 60
-height_mm = 80
-radiance = [2]
-[render.paths]
-samples = 8
-max_reflections = 2
-batches = 2
 )";
 
 SceneSettings ring_scene() {
@@ -241,7 +213,7 @@ TEST(PathFrontier, IsDrawnWithTheScenesOwnSetting) {
 
 TEST(RankDesigns, OrdersThemAsADearerMethodDoes) {
   const TemporaryFolder folder;
-  write_file(folder / "study.toml", std::string(kRingStudy) + R"(
+  write_file(folder / "study.toml", kRingStudy + R"(
 [variables]
 "lighting.ring.height_mm" = { min = 40, max = 160 }
 "lighting.ring.radiance.0" = { min = 1, max = 4 }

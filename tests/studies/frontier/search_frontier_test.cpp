@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "optimizer/storage/storage.h"
 #include "studies/frontier/search_page.h"
+#include "tests/studies/run/small_tunnel.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -18,36 +19,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr const char* kTunnelStudy = R"(schema = 1
-[part]
-shape = "cylinder"
-length_mm = 12
-radius_mm = 6
-[camera]
-width_px = 48
-height_px = 32
-object_pixel_mm = 0.2
-working_distance_mm = 100
-[sensor]
-blur_px = 0
-[metrics]
-erosion_px = 1
-[scan]
-positions = 4
-[lighting.tunnel]
-[variables]
-"lighting.tunnel.duty" = { min = 0.3, max = 0.7 }
-"lighting.tunnel.radius_mm" = { min = 60, max = 120 }
-[objective]
-maximise = "homogeneity.h_rms"
-[search]
-algorithm = "random"
-[budget]
-evaluations = 12
-)";
-
 Study tunnel_study(const TemporaryFolder& folder, const std::vector<KeyValue>& sets = {}) {
-  write_file(folder / "study.toml", kTunnelStudy);
+  write_file(folder / "study.toml", test::kSmallTunnelStudy + "evaluations = 12\n");
   return load_study(folder / "study.toml", sets);
 }
 

@@ -15,8 +15,8 @@
 
 namespace glint {
 
-/// A rough plate of 12 mm with a dent, 48 x 32 pixels, without light.
-inline const std::string kPathPlate = R"(
+/// A rough plate of 12 mm in a picture of 48 x 32 pixels, without light.
+inline const std::string kPathView = R"(
 [part]
 shape = "plate"
 length_mm = 12
@@ -30,7 +30,10 @@ width_px = 48
 height_px = 32
 object_pixel_mm = 0.2
 working_distance_mm = 100
-[sensor]
+)";
+
+/// The same with a dent and without noise of the sensor.
+inline const std::string kPathPlate = kPathView + R"([sensor]
 bits = 0
 [metrics]
 erosion_px = 1

@@ -8,6 +8,7 @@
 #include "core/file.h"
 #include "studies/plan/plan_file.h"
 #include "studies/reach/scene_cell.h"
+#include "tests/studies/cell/ur3_cells.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -56,20 +57,7 @@ direction = [-900, 0, -400]
 up = [0, 1, 0]
 )";
 
-const std::string kCell = R"([robot]
-model = "ur3"
-host = "127.0.0.1"
-flange_from_tcp = [0, 50, 30, 0, 0, 0]
-tool_radius_mm = 40
-payload_kg = 0.6
-[limits]
-tool_speed_mm_s = 250
-tool_acceleration_mm_s2 = 800
-joint_speed_deg_s = 60
-joint_acceleration_deg_s2 = 200
-box_min_mm = [-450, -450, -50]
-box_max_mm = [500, 450, 700]
-[planning]
+const std::string kCell = std::string(test::kUr3WithCamera) + R"([planning]
 margin_mm = 4
 table_height_mm = 0
 camera_size_mm = [40, 40, 60]

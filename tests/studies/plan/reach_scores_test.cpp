@@ -7,25 +7,13 @@
 #include "core/file.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
+#include "tests/studies/cell/ur3_cells.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {
 
-const std::string kArm = R"([robot]
-model = "ur3"
-host = "127.0.0.1"
-flange_from_tcp = [0, 50, 30, 0, 0, 0]
-tool_radius_mm = 40
-payload_kg = 0.6
-[limits]
-tool_speed_mm_s = 250
-tool_acceleration_mm_s2 = 800
-joint_speed_deg_s = 60
-joint_acceleration_deg_s2 = 200
-box_min_mm = [-450, -450, -50]
-box_max_mm = [500, 450, 700]
-[[safe_position]]
+const std::string kArm = std::string(test::kUr3WithCamera) + R"([[safe_position]]
 joints_deg = [8.873, -82.466, -92.57, -94.964, 90.0, -81.127]
 )";
 

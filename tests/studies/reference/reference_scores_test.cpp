@@ -14,6 +14,7 @@
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/imaging/scene_picture.h"
+#include "tests/studies/reference/photographed_plate.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -23,34 +24,9 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// A bright plate of 12 x 8 mm before black, 96 x 64 pixels of 0.2 mm.
-constexpr const char* kPhotographed = R"(
-schema = 2
-[part]
-shape = "plate"
-length_mm = 12
-width_mm = 8
-thickness_mm = 1
-[material]
-type = "diffuse"
-reflectance = [0.5]
-[camera]
-width_px = 96
-height_px = 64
-object_pixel_mm = 0.2
-working_distance_mm = 100
-[sensor]
+const std::string kPhotographed = std::string(test::kPhotographedPlate) + R"([sensor]
 bits = 0
 blur_px = 0.8
-[lighting.ring]
-inner_radius_mm = 15
-outer_radius_mm = 25
-height_mm = 30
-radiance = [3]
-[render.paths]
-samples = 16
-batches = 1
-max_reflections = 1
 [reference]
 pictures = ["real.exr"]
 )";

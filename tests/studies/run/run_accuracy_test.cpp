@@ -15,6 +15,7 @@
 #include "studies/run/run.h"
 #include "tests/studies/imaging/path_support.h"
 #include "tests/studies/run/rendered_plate.h"
+#include "tests/studies/run/small_tunnel.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -37,33 +38,7 @@ algorithm = "random"
 evaluations = 14
 )";
 
-const std::string kTunnelStudy = R"(schema = 1
-[part]
-shape = "cylinder"
-length_mm = 12
-radius_mm = 6
-[camera]
-width_px = 48
-height_px = 32
-object_pixel_mm = 0.2
-working_distance_mm = 100
-[sensor]
-blur_px = 0
-[metrics]
-erosion_px = 1
-[scan]
-positions = 4
-[lighting.tunnel]
-[variables]
-"lighting.tunnel.duty" = { min = 0.3, max = 0.7 }
-"lighting.tunnel.radius_mm" = { min = 60, max = 120 }
-[objective]
-maximise = "homogeneity.h_rms"
-[search]
-algorithm = "random"
-[budget]
-evaluations = 10
-)";
+const std::string kTunnelStudy = test::kSmallTunnelStudy + "evaluations = 10\n";
 
 const std::string kAuto = "[accuracy]\ntolerance = \"auto\"\n";
 

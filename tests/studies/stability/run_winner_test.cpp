@@ -13,6 +13,7 @@
 #include "core/file.h"
 #include "optimizer/storage/storage.h"
 #include "studies/stability/stability_page.h"
+#include "tests/studies/run/small_tunnel.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint::stability {
@@ -21,22 +22,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string small_study(const std::string& sensor) {
-  return R"(schema = 1
-[part]
-shape = "cylinder"
-length_mm = 12
-radius_mm = 6
-[camera]
-width_px = 48
-height_px = 32
-object_pixel_mm = 0.2
-working_distance_mm = 100
-[metrics]
-erosion_px = 1
-[scan]
-positions = 4
-[lighting.tunnel]
-[variables]
+  return test::kSmallTunnel + R"([variables]
 "lighting.tunnel.duty" = { min = 0.3, max = 0.7 }
 "lighting.tunnel.period_mm" = { min = 6, max = 30 }
 [objective]

@@ -6,6 +6,7 @@
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/shell/mode_options.h"
+#include "cli/shell/note_lines.h"
 #include "studies/calibrate/calibrate_run.h"
 #include "studies/calibrate/print_board.h"
 
@@ -98,12 +99,7 @@ std::string calibration_text(const Json& result) {
         fmt::format(", of pictures left out {}", number_text(result["prediction_rms_px"], " px"));
   }
   text += "\n";
-  for (const Json& warning : result["warnings"]) {
-    text += "warning: " + warning.get<std::string>() + "\n";
-  }
-  for (const Json& note : result["notes"]) {
-    text += "note: " + note.get<std::string>() + "\n";
-  }
+  text += warning_lines(result["warnings"]) + note_lines(result["notes"]);
   return text + fmt::format("report: {}\ncamera for scenes: {}/calibration.toml\n",
                             result["report"].get<std::string>(),
                             result["folder"].get<std::string>());

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/shell/note_lines.h"
 #include "cli/shell/placement_text.h"
 #include "studies/calibrate/check_run.h"
 #include "studies/calibrate/place_run.h"
@@ -18,14 +19,6 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string note_lines(const Json& result) {
-  std::string text;
-  for (const Json& note : result["notes"]) {
-    text += "note: " + note.get<std::string>() + "\n";
-  }
-  return text;
-}
 
 std::string check_text(const Json& result) {
   std::string text;
@@ -40,7 +33,7 @@ std::string check_text(const Json& result) {
     return text +
            fmt::format("cannot be judged: {:.3g} px rms from the robot's poses alone\n",
                        result["rms_px"].get<double>()) +
-           note_lines(result);
+           note_lines(result["notes"]);
   }
   const bool is_valid = result["status"] == "valid";
   const bool is_predicted = result["by"] == "prediction";
@@ -64,7 +57,7 @@ std::string check_text(const Json& result) {
           moved["rms_px"].get<double>());
     }
   }
-  return text + note_lines(result);
+  return text + note_lines(result["notes"]);
 }
 
 std::string sensor_text(const Json& result) {
@@ -82,9 +75,7 @@ std::string sensor_text(const Json& result) {
       100.0 * result["prnu"].get<double>(),
       result["dsnu_e"].get<double>(),
       result["largest_snr"].get<double>());
-  for (const Json& warning : result["warnings"]) {
-    text += "warning: " + warning.get<std::string>() + "\n";
-  }
+  text += warning_lines(result["warnings"]);
   return text + fmt::format("report: {}\nsensor for scenes: {}/sensor.toml\n",
                             result["report"].get<std::string>(),
                             result["folder"].get<std::string>());
@@ -92,7 +83,7 @@ std::string sensor_text(const Json& result) {
 
 std::string plan_text(const Json& plan) {
   const Json& promised = plan["promised"];
-  return note_lines(plan) +
+  return note_lines(plan["notes"]) +
          fmt::format(
              "{} poses of {}; they promise a focal length to {:.2g} px, the centre to {:.2g} px,\n"
              "a hand-eye to {:.2g} mm and {:.2g} degrees\nposes: {}/poses.csv\n",
@@ -132,9 +123,8 @@ std::string place_text(const Json& result) {
     text += "\n";
   }
   const char* name = result.contains("flange_from_part") ? "flange_from_part" : "base_from_part";
-  text += placement_text(name, result[name], result["spread"]);
-  return text + note_lines(result) +
-         fmt::format("part for scenes: {}/placement.toml\n", result["folder"].get<std::string>());
+  return text +
+         placed_part_text(result, name, result["folder"].get<std::string>() + "/placement.toml");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/shell/note_lines.h"
 #include "studies/compare/compare_run.h"
 
 namespace glint {
@@ -101,12 +102,10 @@ std::string comparison_text(const Json& result) {
       text += "    note: " + note.get<std::string>() + "\n";
     }
   }
-  for (const Json& note : result["notes"]) {
-    text += "note: " + note.get<std::string>() + "\n";
-  }
-  return text + fmt::format("{}\nreport: {}\n",
-                            result["verdict"].get<std::string>(),
-                            result["report"].get<std::string>());
+  return text + note_lines(result["notes"]) +
+         fmt::format("{}\nreport: {}\n",
+                     result["verdict"].get<std::string>(),
+                     result["report"].get<std::string>());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/shell/interrupts.h"
+#include "cli/shell/note_lines.h"
 #include "studies/imprint/imprint_run.h"
 #include "studies/imprint/imprint_tools.h"
 
@@ -62,11 +63,8 @@ std::string one_text(const Json& result) {
   if (is_interrupted(result)) {
     return "interrupted\n";
   }
-  std::string text = defects_text(result) + totals_text(result);
-  for (const Json& note : result["notes"]) {
-    text += "note: " + note.get<std::string>() + "\n";
-  }
-  return text + fmt::format("files: {}\n", result["folder"].get<std::string>());
+  return defects_text(result) + totals_text(result) + note_lines(result["notes"]) +
+         fmt::format("files: {}\n", result["folder"].get<std::string>());
 }
 
 std::string many_text(const Json& result) {
@@ -74,10 +72,7 @@ std::string many_text(const Json& result) {
                                  result["status"].get<std::string>(),
                                  result["parts"].size(),
                                  result["count"].get<int>());
-  text += totals_text(result);
-  for (const Json& note : result["notes"]) {
-    text += "note: " + note.get<std::string>() + "\n";
-  }
+  text += totals_text(result) + note_lines(result["notes"]);
   return text + fmt::format("files: {}\n", result["folder"].get<std::string>());
 }
 

@@ -89,15 +89,6 @@ std::string rounds_text(const Json& result) {
   return result["rounds"].empty() ? text : text + result["calibration"].get<std::string>() + "\n";
 }
 
-std::string placed_text(const Json& result) {
-  std::string text = placement_text("base_from_part", result["base_from_part"], result["spread"]) +
-                     fmt::format("part for scenes: {}\n", result["placement"].get<std::string>());
-  for (const Json& note : result["notes"]) {
-    text += "note: " + note.get<std::string>() + "\n";
-  }
-  return text;
-}
-
 /// What a person has to do: put the part down, or mount a prototype.
 std::string next_text(const Json& next) {
   return next.contains("design") ? waiting_text(next, "the same command")
@@ -118,7 +109,8 @@ std::string part_text(const Json& result) {
   }
   const std::string status = result["status"].get<std::string>();
   if (status == "placed") {
-    return text + placed_text(result);
+    return text +
+           placed_part_text(result, "base_from_part", result["placement"].get<std::string>());
   }
   if (status == "waiting") {
     return text + next_text(result["next"]);

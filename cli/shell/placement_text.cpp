@@ -4,11 +4,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/shell/note_lines.h"
+
 namespace glint {
 
-std::string placement_text(const std::string& name,
-                           const nlohmann::ordered_json& pose,
-                           const nlohmann::ordered_json& spread) {
+std::string placed_part_text(const nlohmann::ordered_json& result,
+                             const std::string& name,
+                             const std::string& file) {
+  const nlohmann::ordered_json& pose = result[name];
+  const nlohmann::ordered_json& spread = result["spread"];
   const nlohmann::ordered_json& at = pose["translation_mm"];
   std::string text = fmt::format("{}: {:.3f} {:.3f} {:.3f} mm",
                                  name,
@@ -24,7 +28,7 @@ std::string placement_text(const std::string& name,
                         spread["mm"].get<double>(),
                         spread["deg"].get<double>());
   }
-  return text;
+  return text + note_lines(result["notes"]) + fmt::format("part for scenes: {}\n", file);
 }
 
 }  // namespace glint

@@ -9,10 +9,11 @@
 
 namespace glint {
 
-/// `name` with the pose (translation_mm, sigma_mm, sigma_deg) of a result, and a second line with
-/// how much placements differ unless `spread` (mm, deg) is null.
-std::string placement_text(const std::string& name,
-                           const nlohmann::ordered_json& pose,
-                           const nlohmann::ordered_json& spread);
+/// The pose of that name (translation_mm, sigma_mm, sigma_deg) in a result, a second line with how
+/// much placements differ unless its `spread` (mm, deg) is null, its `notes`, and the file for
+/// scenes.
+std::string placed_part_text(const nlohmann::ordered_json& result,
+                             const std::string& name,
+                             const std::string& file);
 
 }  // namespace glint

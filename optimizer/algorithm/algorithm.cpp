@@ -175,6 +175,43 @@ void check_objectives(const std::string& algorithm, int num_objectives) {
   }
 }
 
+GaussianSearchPlan gaussian_plan(const SearchSpace& space,
+                                 const SearchSettings& settings,
+                                 int num_limits,
+                                 int num_objectives,
+                                 std::vector<double> reference,
+                                 ExactValues exact) {
+  if (settings.rules > 3) {
+    exact.take_logs_of_limits();
+  }
+  return {.seed = settings.seed,
+          .is_noisy = settings.is_noisy,
+          .num_design = design_size(space, settings),
+          .num_limits = num_limits,
+          .num_objectives = num_objectives,
+          .reference = std::move(reference),
+          .exact = settings.rules > 2 ? std::move(exact) : ExactValues(),
+          .takes_derivatives = settings.derivatives,
+          .rules = settings.rules};
+}
+
+MultiStartPlan multi_start_plan(const std::string& method,
+                                const SearchSpace& space,
+                                const SearchSettings& settings,
+                                int num_limits,
+                                int num_objectives) {
+  const bool needs_design = settings.design > 0 || has_discrete(space) ||
+                            (settings.algorithm == "auto" && is_local_method(method));
+  return {.method = method,
+          .seed = settings.seed,
+          .batch = settings.batch,
+          .num_design = needs_design ? design_size(space, settings) : 0,
+          .num_limits = is_gradient_method(method) ? num_limits : 0,
+          .num_objectives = num_objectives,
+          .tolerance = settings.tolerance,
+          .patience_s = settings.watchdog_s};
+}
+
 }  // namespace
 
 std::vector<Event> Algorithm::take_events() {
@@ -274,18 +311,8 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
     check_derivatives(name, num_objectives);
   }
   if (name == "gp") {
-    if (settings.rules > 3) {
-      exact.take_logs_of_limits();
-    }
-    const GaussianSearchPlan plan{.seed = settings.seed,
-                                  .is_noisy = settings.is_noisy,
-                                  .num_design = design_size(space, settings),
-                                  .num_limits = num_limits,
-                                  .num_objectives = num_objectives,
-                                  .reference = std::move(reference),
-                                  .exact = settings.rules > 2 ? std::move(exact) : ExactValues(),
-                                  .takes_derivatives = settings.derivatives,
-                                  .rules = settings.rules};
+    const GaussianSearchPlan plan = gaussian_plan(
+        space, settings, num_limits, num_objectives, std::move(reference), std::move(exact));
     return std::make_unique<GaussianSearch>(space, plan, std::move(start_points));
   }
   if (!is_nlopt_method(name) && !is_pagmo_method(name)) {
@@ -294,18 +321,11 @@ std::unique_ptr<Algorithm> make_algorithm(const SearchSpace& space,
   if (needs_gradient(name)) {
     check_smooth(space, name);
   }
-  const bool needs_design = settings.design > 0 || has_discrete(space) ||
-                            (settings.algorithm == "auto" && is_local_method(name));
-  MultiStartPlan plan{.method = name,
-                      .seed = settings.seed,
-                      .batch = settings.batch,
-                      .num_design = needs_design ? design_size(space, settings) : 0,
-                      .num_limits = is_gradient_method(name) ? num_limits : 0,
-                      .num_objectives = num_objectives,
-                      .tolerance = settings.tolerance,
-                      .patience_s = settings.watchdog_s};
   return std::make_unique<MultiStart>(
-      space, plan, std::move(start_points), is_pagmo_method(name) ? pagmo_body : nlopt_body);
+      space,
+      multi_start_plan(name, space, settings, num_limits, num_objectives),
+      std::move(start_points),
+      is_pagmo_method(name) ? pagmo_body : nlopt_body);
 }
 
 }  // namespace glint

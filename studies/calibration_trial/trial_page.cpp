@@ -53,11 +53,8 @@ Json camera_table(const Json& result) {
           {"rows", rows}};
 }
 
-Json hand_eye_table(const Json& result) {
-  const Json& hand_eye = result["hand_eye"];
-  const Json& truth = hand_eye["truth"];
-  const Json& estimate = hand_eye["estimate"];
-  Json rows = Json::array();
+/// Along and about each axis.
+void add_pose_rows(const Json& truth, const Json& estimate, Json& rows) {
   const std::array<const char*, 3> axes = {"x", "y", "z"};
   for (std::size_t i = 0; i < axes.size(); ++i) {
     rows.push_back(row(fmt::format("{} [mm]", axes[i]),
@@ -76,6 +73,12 @@ Json hand_eye_table(const Json& result) {
                        nullptr,
                        4));
   }
+}
+
+Json hand_eye_table(const Json& result) {
+  const Json& hand_eye = result["hand_eye"];
+  Json rows = Json::array();
+  add_pose_rows(hand_eye["truth"], hand_eye["estimate"], rows);
   rows.push_back({"distance of the positions [mm]",
                   "",
                   "",
@@ -86,17 +89,11 @@ Json hand_eye_table(const Json& result) {
                   "",
                   digits(hand_eye["error_deg"], 4),
                   digits(hand_eye["sigma_deg"], 4)});
-  const Json& noise = result["noise"];
-  rows.push_back(row("robot's error along an axis [mm]",
-                     noise["robot_mm"]["truth"],
-                     noise["robot_mm"]["estimate"],
-                     nullptr,
-                     3));
-  rows.push_back(row("robot's error about an axis [deg]",
-                     noise["robot_deg"]["truth"],
-                     noise["robot_deg"]["estimate"],
-                     nullptr,
-                     4));
+  const auto add_noise = [&](const char* name, const Json& noise, int decimals) {
+    rows.push_back(row(name, noise["truth"], noise["estimate"], nullptr, decimals));
+  };
+  add_noise("robot's error along an axis [mm]", result["noise"]["robot_mm"], 3);
+  add_noise("robot's error about an axis [deg]", result["noise"]["robot_deg"], 4);
   return {{"caption", "Where the camera is"},
           {"head", {"", "truth", "estimate", "error", "standard deviation"}},
           {"rows", rows}};

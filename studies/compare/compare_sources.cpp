@@ -173,6 +173,41 @@ std::vector<ComparePair> pairs_of_csv(const fs::path& file,
       reals.size()));
 }
 
+/// Whether each simulated picture has a real one of its name, and no name stands twice.
+bool have_partners(const std::vector<CompareSource>& simulated,
+                   const std::vector<CompareSource>& reals) {
+  const std::set<std::string> names = names_of(reals);
+  return names.size() == reals.size() && names_of(simulated).size() == simulated.size() &&
+         std::ranges::all_of(
+             simulated, [&](const CompareSource& source) { return names.contains(source.name); });
+}
+
+ComparePlan paired_by_name(const std::vector<CompareSource>& simulated,
+                           const std::vector<CompareSource>& reals) {
+  ComparePlan plan;
+  for (const CompareSource& source : simulated) {
+    plan.pairs.push_back({.simulated = source, .real = *find(reals, source.name)});
+  }
+  if (reals.size() > simulated.size()) {
+    plan.notes.push_back(fmt::format("{} real pictures have no simulated one of their name",
+                                     reals.size() - simulated.size()));
+  }
+  return plan;
+}
+
+ComparePlan paired_in_order(const std::vector<CompareSource>& simulated,
+                            const std::vector<CompareSource>& reals) {
+  if (simulated.size() != reals.size()) {
+    throw_missing_pair(simulated, reals);
+  }
+  ComparePlan plan;
+  plan.notes.emplace_back("Names differ: pictures were paired in the natural order of their names");
+  for (std::size_t i = 0; i < reals.size(); ++i) {
+    plan.pairs.push_back({.simulated = simulated[i], .real = reals[i]});
+  }
+  return plan;
+}
+
 }  // namespace
 
 std::vector<CompareSource> compare_sources(const fs::path& path) {
@@ -202,46 +237,27 @@ ComparePlan plan_comparison(const CompareInputs& inputs) {
     reals.insert(reals.end(), sources.begin(), sources.end());
   }
   ComparePlan plan;
-  const auto add = [&](const CompareSource& first, const CompareSource& second) {
-    plan.pairs.push_back({.simulated = first, .real = second});
-  };
   if (!inputs.pairs.empty()) {
     plan.pairs = pairs_of_csv(inputs.pairs, simulated, reals);
     return plan;
   }
   if (simulated.size() == 1) {
-    std::ranges::for_each(reals, [&](const CompareSource& real) { add(simulated[0], real); });
+    std::ranges::for_each(reals, [&](const CompareSource& real) {
+      plan.pairs.push_back({.simulated = simulated[0], .real = real});
+    });
     return plan;
   }
   // Views or designs of a run against one photograph: which of them is like it?
   if (reals.size() == 1 && std::ranges::all_of(simulated, &CompareSource::is_rendered)) {
-    std::ranges::for_each(simulated, [&](const CompareSource& source) { add(source, reals[0]); });
+    std::ranges::for_each(simulated, [&](const CompareSource& source) {
+      plan.pairs.push_back({.simulated = source, .real = reals[0]});
+    });
     plan.notes.push_back(
         fmt::format("One real picture goes with all {} simulated ones", simulated.size()));
     return plan;
   }
-  const std::set<std::string> names = names_of(reals);
-  const bool has_names =
-      names.size() == reals.size() && names_of(simulated).size() == simulated.size();
-  if (has_names && std::ranges::all_of(simulated, [&](const CompareSource& source) {
-        return names.contains(source.name);
-      })) {
-    std::ranges::for_each(
-        simulated, [&](const CompareSource& source) { add(source, *find(reals, source.name)); });
-    if (reals.size() > simulated.size()) {
-      plan.notes.push_back(fmt::format("{} real pictures have no simulated one of their name",
-                                       reals.size() - simulated.size()));
-    }
-    return plan;
-  }
-  if (simulated.size() != reals.size()) {
-    throw_missing_pair(simulated, reals);
-  }
-  plan.notes.emplace_back("Names differ: pictures were paired in the natural order of their names");
-  for (std::size_t i = 0; i < reals.size(); ++i) {
-    add(simulated[i], reals[i]);
-  }
-  return plan;
+  return have_partners(simulated, reals) ? paired_by_name(simulated, reals)
+                                         : paired_in_order(simulated, reals);
 }
 
 }  // namespace glint

@@ -57,6 +57,43 @@ Differentiable log_chance(double mean, double sigma) {
   return {value, -by_z / sigma, -by_z * z / sigma};
 }
 
+/// By how much a point is expected to miss the limits, which follow the objectives.
+double excess_of(const std::vector<VectorXd>& means,
+                 std::size_t num_objectives,
+                 std::size_t point) {
+  double excess = 0.0;
+  for (std::size_t k = num_objectives; k < means.size(); ++k) {
+    if (means[k].size() == means[0].size()) {
+      excess += std::max(0.0, means[k][static_cast<Index>(point)]);
+    }
+  }
+  return excess;
+}
+
+/// The objectives of each point.
+std::vector<std::vector<double>> rows_of(const std::vector<VectorXd>& means,
+                                         std::size_t num_objectives,
+                                         const std::vector<std::size_t>& points) {
+  std::vector<std::vector<double>> rows;
+  for (const std::size_t point : points) {
+    std::vector<double> row;
+    for (std::size_t k = 0; k < num_objectives; ++k) {
+      row.push_back(means[k][static_cast<Index>(point)]);
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+template <class T>
+std::vector<T> at_indices(const std::vector<T>& all, const std::vector<std::size_t>& indices) {
+  std::vector<T> some;
+  for (const std::size_t index : indices) {
+    some.push_back(all[index]);
+  }
+  return some;
+}
+
 }  // namespace
 
 Promise::Promise(std::span<const GaussianProcess> models,
@@ -103,13 +140,7 @@ std::vector<std::size_t> Promise::expected_feasible(const std::vector<VectorXd>&
 void Promise::find_best(const std::vector<VectorXd>& means) {
   std::vector<std::size_t> points = expected_feasible(means);
   const auto mean_of = [&](std::size_t point) { return means[0][static_cast<Index>(point)]; };
-  double excess = 0.0;
-  for (std::size_t k = num_objectives_; k < models_.size(); ++k) {
-    if (means[k].size() == means[0].size()) {
-      excess += std::max(0.0, means[k][static_cast<Index>(points.front())]);
-    }
-  }
-  has_feasible_ = excess <= 0.0;
+  has_feasible_ = excess_of(means, num_objectives_, points.front()) <= 0.0;
   std::ranges::stable_sort(points, {}, mean_of);
   best_ = mean_of(points.front());
   points.resize(std::min<std::size_t>(points.size(), 5));
@@ -118,52 +149,29 @@ void Promise::find_best(const std::vector<VectorXd>& means) {
 
 void Promise::find_front(const std::vector<VectorXd>& means) {
   const std::vector<std::size_t> points = expected_feasible(means);
-  std::vector<std::vector<double>> rows;
-  for (const std::size_t point : points) {
-    std::vector<double> row;
-    for (std::size_t k = 0; k < num_objectives_; ++k) {
-      row.push_back(means[k][static_cast<Index>(point)]);
-    }
-    rows.push_back(std::move(row));
-  }
-  double excess = 0.0;
-  for (std::size_t k = num_objectives_; k < models_.size(); ++k) {
-    if (means[k].size() == means[0].size()) {
-      excess += std::max(0.0, means[k][static_cast<Index>(points.front())]);
-    }
-  }
-  has_feasible_ = excess <= 0.0;
+  has_feasible_ = excess_of(means, num_objectives_, points.front()) <= 0.0;
+  const std::vector<std::vector<double>> rows = rows_of(means, num_objectives_, points);
   const std::vector<std::size_t> front = front_of(rows);
-  std::vector<std::vector<double>> values;
-  for (const std::size_t index : front) {
-    values.push_back(rows[index]);
-  }
+  std::vector<std::vector<double>> values = at_indices(rows, front);
   ideal_ = values.front();
   for (const std::vector<double>& row : values) {
     for (std::size_t k = 0; k < num_objectives_; ++k) {
       ideal_[k] = std::min(ideal_[k], row[k]);
     }
   }
+  std::vector<double> scaled_reference;
   for (std::size_t k = 0; k < num_objectives_; ++k) {
     const double range = reference_[k] - ideal_[k];
     range_.push_back(range > 0.0 ? range : 1.0);
+    scaled_reference.push_back(range / range_[k]);
   }
   for (std::vector<double>& row : values) {
     for (std::size_t k = 0; k < num_objectives_; ++k) {
       row[k] = (row[k] - ideal_[k]) / range_[k];
     }
   }
-  std::vector<std::vector<double>> kept;
-  for (const std::size_t index : spread_rows(values, max_front(num_objectives_))) {
-    kept.push_back(values[index]);
-  }
-  for (const std::size_t index : front) {
-    best_points_.push_back(points[index]);
-  }
-  std::vector<double> scaled_reference;
-  for (std::size_t k = 0; k < num_objectives_; ++k) {
-    scaled_reference.push_back((reference_[k] - ideal_[k]) / range_[k]);
-  }
+  const auto kept = at_indices(values, spread_rows(values, max_front(num_objectives_)));
+  best_points_ = at_indices(points, front);
   gain_ = std::make_unique<ExpectedHypervolume>(kept, scaled_reference);
 }
 

@@ -203,6 +203,37 @@ void leave_out(const std::string& name,
   }
 }
 
+/// What is known before anything is looked for; a note where little of the part is inspected.
+InspectedPart looked_at_part(const PicturedPart& source, PreparedPart& part, const Mask& region) {
+  InspectedPart result{.source = source,
+                       .width_px = part.aspect.width(),
+                       .height_px = part.aspect.height(),
+                       .bits = part.sequence.bits,
+                       .is_float = part.sequence.is_float,
+                       .channels = part.sequence.channels,
+                       .mask_from = part.mask_from,
+                       .region_px = count_inside(region),
+                       .bright_share = bright_share(part.aspect, region, part.bright_from)};
+  if (result.bright_share < kLittle) {
+    part.notes.push_back(
+        fmt::format("Only {:.1f} % of what is bright in the picture was inspected.",
+                    100.0 * result.bright_share));
+  }
+  return result;
+}
+
+/// Of the defects that were found.
+void add_sizes_and_matches(const InspectionSettings& settings, InspectedPart& result) {
+  const std::vector<FoundDefect>& defects = result.inspection.defects;
+  result.holes = sizes_of(defects, DefectKind::kHole, settings.measure);
+  result.scratches = sizes_of(defects, DefectKind::kScratch, settings.measure);
+  const PicturedPart& source = result.source;
+  if (!source.truth.empty() && !source.scene.empty()) {
+    result.known = read_known_defects(source.truth, source.scene);
+    result.comparison = match_detections(defects, result.known, settings.trials);
+  }
+}
+
 }  // namespace
 
 PreparedPart prepare_part(const PicturedPart& source, const PartMasks& masks, ThreadPool& pool) {
@@ -248,20 +279,7 @@ InspectedPart inspect_part(const PicturedPart& source,
   if (looked_at != nullptr) {
     leave_out(source.name, *looked_at, region, response, part.notes);
   }
-  InspectedPart result{.source = source,
-                       .width_px = part.aspect.width(),
-                       .height_px = part.aspect.height(),
-                       .bits = part.sequence.bits,
-                       .is_float = part.sequence.is_float,
-                       .channels = part.sequence.channels,
-                       .mask_from = part.mask_from,
-                       .region_px = count_inside(region),
-                       .bright_share = bright_share(part.aspect, region, part.bright_from)};
-  if (result.bright_share < kLittle) {
-    part.notes.push_back(
-        fmt::format("Only {:.1f} % of what is bright in the picture was inspected.",
-                    100.0 * result.bright_share));
-  }
+  InspectedPart result = looked_at_part(source, part, region);
   const double threshold = inspector.threshold(response, calibrated);
   result.inspection.threshold = inspector.capped_threshold(response, threshold, pool);
   if (source.is_photograph() || result.inspection.threshold > threshold) {
@@ -269,13 +287,7 @@ InspectedPart inspect_part(const PicturedPart& source,
   }
   result.inspection.noise = inspector.noise(response, pool);
   result.inspection.defects = inspector.blobs(response, result.inspection.threshold, pool);
-  const std::vector<FoundDefect>& defects = result.inspection.defects;
-  result.holes = sizes_of(defects, DefectKind::kHole, settings.measure);
-  result.scratches = sizes_of(defects, DefectKind::kScratch, settings.measure);
-  if (!source.truth.empty() && !source.scene.empty()) {
-    result.known = read_known_defects(source.truth, source.scene);
-    result.comparison = match_detections(defects, result.known, settings.trials);
-  }
+  add_sizes_and_matches(settings, result);
   result.histogram = histogram_of(response, region, result.inspection.threshold);
   if (settings.filter == Filter::kPhase) {
     result.phases = phase_maps(linear_frames(part.sequence), settings.periods, pool);

@@ -171,6 +171,41 @@ void add_defect_notes(const TracedScene& traced,
   }
 }
 
+/// Each frame is written as it is rendered.
+Evaluation evaluate_into_sequence(SceneStore& store,
+                                  const SceneSettings& scene,
+                                  const fs::path& folder,
+                                  const WantedScores& wanted,
+                                  DesignWatch* watch) {
+  const auto frame_path = [&](int index) {
+    return folder / "sequence" / fmt::format("frame_{:03}.png", index);
+  };
+  int num_frames = 0;
+  const auto write_frame = [&](int index, const ImageF& grey) {
+    num_frames = std::max(num_frames, index + 1);
+    write_png(frame_path(index), grey, depth_of(scene.sensor));
+    if (watch != nullptr && watch->on_frame) {
+      watch->on_frame(num_frames);
+    }
+  };
+  Evaluation evaluation = evaluate(store, scene, write_frame, wanted.with_whole_scan());
+  // A longer sequence rendered into this folder before must not follow this one.
+  for (int index = num_frames; fs::remove(frame_path(index)); ++index) {
+  }
+  return evaluation;
+}
+
+void write_pictures(const Evaluation& evaluation,
+                    const SceneSettings& scene,
+                    const fs::path& folder) {
+  write_png(folder / "aspect.png", evaluation.aspect, depth_of(scene.sensor));
+  write_exr(folder / "aspect.exr", evaluation.aspect);
+  write_mask_png(folder / "part_mask.png", evaluation.traced->part_mask);
+  write_file(folder / "defects.json",
+             defects_json(evaluation, intrinsics_of(scene)).dump(2) + "\n");
+  write_file(folder / "scene.toml", to_toml(write_scene(scene)));
+}
+
 }  // namespace
 
 Json scores_json(const Scores& scores) {
@@ -247,27 +282,8 @@ Json write_design(SceneStore& store,
   make_folder(folder / "sequence");
   remove_unfinished_files(folder);
   remove_unfinished_files(folder / "sequence");
-  const auto frame_path = [&](int index) {
-    return folder / "sequence" / fmt::format("frame_{:03}.png", index);
-  };
-  int num_frames = 0;
-  const auto write_frame = [&](int index, const ImageF& grey) {
-    num_frames = std::max(num_frames, index + 1);
-    write_png(frame_path(index), grey, depth_of(scene.sensor));
-    if (watch != nullptr && watch->on_frame) {
-      watch->on_frame(num_frames);
-    }
-  };
-  const Evaluation evaluation = evaluate(store, scene, write_frame, wanted.with_whole_scan());
-  // A longer sequence rendered into this folder before must not follow this one.
-  for (int index = num_frames; fs::remove(frame_path(index)); ++index) {
-  }
-  write_png(folder / "aspect.png", evaluation.aspect, depth_of(scene.sensor));
-  write_exr(folder / "aspect.exr", evaluation.aspect);
-  write_mask_png(folder / "part_mask.png", evaluation.traced->part_mask);
-  write_file(folder / "defects.json",
-             defects_json(evaluation, intrinsics_of(scene)).dump(2) + "\n");
-  write_file(folder / "scene.toml", to_toml(write_scene(scene)));
+  const Evaluation evaluation = evaluate_into_sequence(store, scene, folder, wanted, watch);
+  write_pictures(evaluation, scene, folder);
   const SceneLamps lamps(scene, evaluation.traced->part);
   write_drawing(
       draw_lighting(scene, lamps.area_lights(), evaluation.traced->built(), sheet_title(head)),

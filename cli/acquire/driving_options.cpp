@@ -6,6 +6,60 @@
 #include "cli/shell/options.h"
 
 namespace glint {
+namespace {
+
+void add_targets(CLI::App& calibrate, CellCalibrationArguments& arguments) {
+  calibrate
+      .add_option("--target_px",
+                  arguments.target_px,
+                  "with --cell: good enough is a computed point known to this")
+      ->type_name("PX")
+      ->capture_default_str()
+      ->check(positive());
+  calibrate
+      .add_option("--target_mm",
+                  arguments.target_mm,
+                  "with --cell: and the camera's place on the flange to this (stated sigma)")
+      ->type_name("MM")
+      ->check(positive());
+  calibrate
+      .add_option("--target_deg",
+                  arguments.target_deg,
+                  "with --cell: and its turn there to this (stated sigma)")
+      ->type_name("DEG")
+      ->check(positive());
+  calibrate
+      .add_option(
+          "--max_rounds", arguments.max_rounds, "with --cell: no more rounds of pictures than this")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(between(1, 20));
+}
+
+void add_part_options(CLI::App& calibrate, CellCalibrationArguments& arguments) {
+  calibrate
+      .add_option("--part",
+                  arguments.part,
+                  "with --cell: scene of the part whose place is found by its edges, after --board "
+                  "or by the calibration in the folder --camera")
+      ->type_name("FILE")
+      ->check(not_empty());
+  calibrate
+      .add_option("--placements",
+                  arguments.placements,
+                  "with --part: so many times it is lifted and put back, for their spread")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(between(1, 100));
+  calibrate
+      .add_option("--placed",
+                  arguments.placed,
+                  "with --part: you have put it down for the Nth time; else you are asked")
+      ->type_name("N")
+      ->check(between(1, 100));
+}
+
+}  // namespace
 
 void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std::string& when) {
   verb.add_flag("--move",
@@ -50,51 +104,8 @@ void add_cell_calibration(CLI::App& calibrate, CellCalibrationArguments& argumen
       ->check(not_empty());
   add_driving_options(calibrate, arguments.acquire, "with --cell: ");
   add_mounted_option(calibrate, arguments.acquire, "with --part: ");
-  calibrate
-      .add_option("--target_px",
-                  arguments.target_px,
-                  "with --cell: good enough is a computed point known to this")
-      ->type_name("PX")
-      ->capture_default_str()
-      ->check(positive());
-  calibrate
-      .add_option("--target_mm",
-                  arguments.target_mm,
-                  "with --cell: and the camera's place on the flange to this (stated sigma)")
-      ->type_name("MM")
-      ->check(positive());
-  calibrate
-      .add_option("--target_deg",
-                  arguments.target_deg,
-                  "with --cell: and its turn there to this (stated sigma)")
-      ->type_name("DEG")
-      ->check(positive());
-  calibrate
-      .add_option(
-          "--max_rounds", arguments.max_rounds, "with --cell: no more rounds of pictures than this")
-      ->type_name("N")
-      ->capture_default_str()
-      ->check(between(1, 20));
-  calibrate
-      .add_option("--part",
-                  arguments.part,
-                  "with --cell: scene of the part whose place is found by its edges, after --board "
-                  "or by the calibration in the folder --camera")
-      ->type_name("FILE")
-      ->check(not_empty());
-  calibrate
-      .add_option("--placements",
-                  arguments.placements,
-                  "with --part: so many times it is lifted and put back, for their spread")
-      ->type_name("N")
-      ->capture_default_str()
-      ->check(between(1, 100));
-  calibrate
-      .add_option("--placed",
-                  arguments.placed,
-                  "with --part: you have put it down for the Nth time; else you are asked")
-      ->type_name("N")
-      ->check(between(1, 100));
+  add_targets(calibrate, arguments);
+  add_part_options(calibrate, arguments);
 }
 
 }  // namespace glint

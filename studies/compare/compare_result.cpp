@@ -207,16 +207,10 @@ std::string overlap_sentence(const Json& pairs) {
   return text.empty() ? "No edges were found in both pictures" : text;
 }
 
-}  // namespace
-
-Json pair_json(const ComparedPair& pair, const PairCauses& causes) {
-  const PairGeometry& geometry = pair.geometry;
-  const PairAppearance& look = pair.appearance;
+/// How far the outlines agree.
+void add_agreement(const PairGeometry& geometry, Json& json) {
   const bool has_edges = geometry.distance.points > 0;
   const auto if_edges = [&](double value) { return has_edges ? Json(value) : Json(nullptr); };
-  Json json;
-  json["simulated"] = pair.simulated.source.name;
-  json["real"] = pair.real.source.name;
   json["iou"] = optional_json(geometry.iou);
   json["dice"] = optional_json(geometry.dice);
   json["mean_distance_px"] = if_edges(geometry.distance.mean_px);
@@ -226,18 +220,19 @@ Json pair_json(const ComparedPair& pair, const PairCauses& causes) {
   json["ring_slope"] = has_slopes ? slope_json(geometry.rings.radial_slope) : Json(nullptr);
   json["tangential_slope"] =
       has_slopes ? slope_json(geometry.rings.tangential_slope) : Json(nullptr);
-  json["causes"] = causes_json(causes);
-  if (causes.edges) {
-    json["edge_misfit_px"] = {{"before", causes.edges->before_px},
-                              {"after", causes.edges->after_px},
-                              {"noise", causes.edges->noise_px}};
-  }
+}
+
+void add_appearance(const PairAppearance& look, Json& json) {
   json["ssim"] = look.ssim;
   json["histogram_distance"] = look.histogram_distance;
   json["exposure"] = {{"gain", look.exposure.gain}, {"offset", look.exposure.offset}};
   json["residual_rms"] = look.residual_rms;
   json["correlation"] = look.correlation;
   json["gmsd"] = look.gmsd;
+}
+
+/// Where the outlines come from, and what is off where.
+void add_edges(const PairGeometry& geometry, Json& json) {
   json["outline"] = {{"simulated", name_of(geometry.outlines.simulated.method)},
                      {"real", name_of(geometry.outlines.real.method)},
                      {"points", geometry.distance.points},
@@ -246,8 +241,25 @@ Json pair_json(const ComparedPair& pair, const PairCauses& causes) {
   json["edges"] = edges_json(geometry.edges);
   json["unlisted_edges"] = {{"count", geometry.unlisted.count},
                             {"outline_share", geometry.unlisted.outline_share}};
+}
+
+}  // namespace
+
+Json pair_json(const ComparedPair& pair, const PairCauses& causes) {
+  Json json;
+  json["simulated"] = pair.simulated.source.name;
+  json["real"] = pair.real.source.name;
+  add_agreement(pair.geometry, json);
+  json["causes"] = causes_json(causes);
+  if (causes.edges) {
+    json["edge_misfit_px"] = {{"before", causes.edges->before_px},
+                              {"after", causes.edges->after_px},
+                              {"noise", causes.edges->noise_px}};
+  }
+  add_appearance(pair.appearance, json);
+  add_edges(pair.geometry, json);
   json["regions"] = regions_json(pair.regions);
-  json["texture"] = texture_pair_json(look);
+  json["texture"] = texture_pair_json(pair.appearance);
   json["better_turn"] = turn_json(pair.better_turn);
   json["notes"] = pair.notes;
   for (const std::string& note : causes.notes) {

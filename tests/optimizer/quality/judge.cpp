@@ -42,6 +42,15 @@ Vector gradient_of(const Task& task, const Vector& x) {
   return gradient;
 }
 
+/// Of all designs that were told, of one objective.
+std::vector<Vector> expected_means(Algorithm& algorithm) {
+  std::vector<Vector> means;
+  for (const std::vector<Expectation>& row : algorithm.expected_objectives()) {
+    means.push_back(row.empty() ? Vector{} : Vector{row[0].mean});
+  }
+  return means;
+}
+
 Result glint_search(const std::string& name,
                     Judge& judge,
                     const Task& task,
@@ -58,6 +67,7 @@ Result glint_search(const std::string& name,
                                         0,
                                         task.num_objectives,
                                         task.reference);
+  const bool has_expected = is_noisy && task.num_objectives == 1;
   const double start = cpu_ms();
   Result result;
   while (judge.count() < evaluations) {
@@ -70,24 +80,15 @@ Result glint_search(const std::string& name,
                     {.merit = seen[0],
                      .objective = {seen[0], has_derivatives ? gradient_of(task, *point) : Vector{}},
                      .objectives = seen});
-    const auto expected = [&] {
-      std::vector<Vector> means;
-      if (is_noisy && task.num_objectives == 1) {
-        for (const std::vector<Expectation>& row : algorithm->expected_objectives()) {
-          means.push_back(row.empty() ? Vector{} : Vector{row[0].mean});
-        }
+    const auto score_at = [&](std::size_t check, auto& score) {
+      if (judge.count() == check) {
+        score =
+            judge.score(check, has_expected ? expected_means(*algorithm) : std::vector<Vector>());
       }
-      return means;
     };
-    if (judge.count() == kEarlyCheck) {
-      result.after_50 = judge.score(kEarlyCheck, expected());
-    }
-    if (judge.count() == kFirstCheck) {
-      result.after_100 = judge.score(kFirstCheck, expected());
-    }
-    if (judge.count() == kSecondCheck) {
-      result.after_300 = judge.score(kSecondCheck, expected());
-    }
+    score_at(kEarlyCheck, result.after_50);
+    score_at(kFirstCheck, result.after_100);
+    score_at(kSecondCheck, result.after_300);
   }
   result.own_ms = (cpu_ms() - start) / static_cast<double>(judge.count());
   return result;

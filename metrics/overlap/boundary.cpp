@@ -157,7 +157,7 @@ void thin(Boundary& line) {
 void set_normals(Boundary& line) {
   const auto count = static_cast<std::ptrdiff_t>(line.points.size());
   const auto at = [&](std::ptrdiff_t i) {
-    i = line.is_closed ? (i + count) % count : std::clamp<std::ptrdiff_t>(i, 0, count - 1);
+    i = line.is_closed ? (i % count + count) % count : std::clamp<std::ptrdiff_t>(i, 0, count - 1);
     return line.points[static_cast<std::size_t>(i)].at_px;
   };
   for (std::ptrdiff_t i = 0; i < count; ++i) {
@@ -187,11 +187,9 @@ double sample(const ImageF& picture, const Vector2d& at_px) {
 
 std::vector<Boundary> boundaries_at(const ImageF& picture, float level, std::size_t min_points) {
   std::vector<Boundary> lines = LevelLines(picture, level).find(min_points);
-  for (Boundary& line : lines) {
-    thin(line);
-    set_normals(line);
-  }
+  std::ranges::for_each(lines, thin);
   std::erase_if(lines, [&](const Boundary& line) { return line.points.size() < min_points; });
+  std::ranges::for_each(lines, set_normals);
   return lines;
 }
 

@@ -45,16 +45,20 @@ TEST(BoundariesAt, FollowsACircleOnceAround) {
   EXPECT_NEAR(length, 2.0 * kPi * 40.2, 0.5);
 }
 
+ImageF random_greys(std::uint64_t index) {
+  ImageF picture(12, 9);
+  Rng rng(1, Stream::kTest, index);
+  for (float& grey : picture.values()) {
+    grey = static_cast<float>(rng.uniform());
+  }
+  return picture;
+}
+
 // Every line of a level ends at the border of the picture or nowhere.
 TEST(BoundariesAt, NeverBreaksInsideAPicture) {
   int open = 0;
   for (std::uint64_t i = 0; i < 1000; ++i) {
-    ImageF picture(12, 9);
-    Rng rng(1, Stream::kTest, i);
-    for (float& grey : picture.values()) {
-      grey = static_cast<float>(rng.uniform());
-    }
-    for (const Boundary& line : boundaries_at(picture, 0.5F, 3)) {
+    for (const Boundary& line : boundaries_at(random_greys(i), 0.5F, 3)) {
       const auto is_at_border = [](const BoundaryPoint& point) {
         return point.at_px.x() < 1.3 || point.at_px.y() < 1.3 || point.at_px.x() > 10.7 ||
                point.at_px.y() > 7.7;
@@ -66,6 +70,21 @@ TEST(BoundariesAt, NeverBreaksInsideAPicture) {
     }
   }
   EXPECT_GT(open, 1000);
+}
+
+// Around a line of two points, those from which a normal is taken are one.
+TEST(BoundariesAt, LinesOfFewPointsHaveNoNormalOfTheirOwn) {
+  int pairs = 0;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    for (const Boundary& line : boundaries_at(random_greys(i), 0.5F, 2)) {
+      if (line.is_closed && line.points.size() == 2) {
+        ++pairs;
+        EXPECT_EQ(line.points[0].normal, Eigen::Vector2d::UnitX());
+        EXPECT_EQ(line.points[1].normal, Eigen::Vector2d::UnitX());
+      }
+    }
+  }
+  EXPECT_GT(pairs, 0);
 }
 
 TEST(BoundariesOf, FollowsAMaskWithinHalfAPixel) {

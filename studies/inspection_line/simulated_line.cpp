@@ -242,6 +242,11 @@ DetectionMatches match_detections(std::span<const FoundDefect> found,
   return matches;
 }
 
+void check_inspected_region(SceneStore& store, const SceneSettings& scene) {
+  const auto traced = store.trace(without_defects(first_view(store, scene)));
+  const Inspector inspector(scene.inspection, traced->part_mask);
+}
+
 SimulatedLine::SimulatedLine(SceneStore& store, const SceneSettings& scene) {
   check_part_in_tunnel(store, scene);
   data_ = std::make_unique<Data>(store, first_view(store, scene));

@@ -44,6 +44,11 @@ DetectionMatches match_detections(std::span<const FoundDefect> found,
                                   std::span<const TrueDefect> truth,
                                   const TrialSettings& settings);
 
+/// Of a scene whose part the line inspects.
+/// @throws ConfigError beginning with the key at fault when the inspector's rim leaves nothing of
+///         the flawless part, IoError
+void check_inspected_region(SceneStore& store, const SceneSettings& scene);
+
 class SimulatedLine {
  public:
   /// Builds the part and traces its flawless surface. The defects are those of scene.defects, drawn

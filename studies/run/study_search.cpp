@@ -366,8 +366,10 @@ Outcome evaluate_candidate(SceneStore& store,
     throw IoError(file.string() + ": has gone while the study was running");
   }
   const SceneSettings own = scene_with(study, overrides_of(study, point));
-  const SceneSettings scene = rung != nullptr ? searched_scene(store, own, *rung) : own;
-  Evaluation found = evaluate(store, scene, {}, wanted_in_search(study));
+  const WantedScores wanted = wanted_in_search(study);
+  const SceneSettings scene =
+      rung != nullptr ? searched_scene(store, own, *rung, wanted.trials) : own;
+  Evaluation found = evaluate(store, scene, {}, wanted);
   Outcome outcome;
   outcome.scores = std::move(found.scores);
   if (rung != nullptr) {

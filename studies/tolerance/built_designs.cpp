@@ -179,8 +179,9 @@ Outcome BuiltDesigns::outcome_of(const Point& point) const {
       }
     }
     const SceneSettings own = scene_with(study_, overrides);
-    const SceneSettings scene = rung_ ? searched_scene(store_, own, *rung_) : own;
-    outcome.scores = evaluate(store_, scene, {}, wanted_by(study_.goal)).scores;
+    const WantedScores wanted = wanted_by(study_.goal);
+    const SceneSettings scene = rung_ ? searched_scene(store_, own, *rung_, wanted.trials) : own;
+    outcome.scores = evaluate(store_, scene, {}, wanted).scores;
     if (rung_) {
       less_offsets(own, scene, *rung_, outcome.scores);
     }

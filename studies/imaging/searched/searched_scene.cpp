@@ -6,6 +6,8 @@
 #include "studies/definition/render_methods.h"
 #include "studies/imaging/direct/hidden_lights.h"
 #include "studies/imaging/path_picture.h"
+#include "studies/inspection_line/simulated_line.h"
+#include "studies/inspection_line/visibility.h"
 
 namespace glint {
 namespace {
@@ -22,10 +24,16 @@ bool may_hide_lamps(SceneStore& store, const SceneSettings& scene) {
   return is_hidden(true) || (part->built != part->clean && is_hidden(false));
 }
 
-/// Whether larger pixels leave each defect a pixel and a background, and the part a region.
-bool can_be_scored(SceneStore& store, const SceneSettings& scene) {
+/// Whether larger pixels leave each defect a pixel and a background, and the part a region, that of
+/// an inspector too where one is asked.
+bool can_be_scored(SceneStore& store,
+                   const SceneSettings& scene,
+                   std::span<const std::string> trials) {
   try {
     store.trace(first_view(store, scene));
+    if (std::ranges::any_of(trials, is_of_line)) {
+      check_inspected_region(store, scene);
+    }
     return true;
   } catch (const ConfigError&) {
     return false;
@@ -40,9 +48,10 @@ bool has_larger_pixels(const SceneSettings& scene, const SceneSettings& own) {
 
 SceneSettings searched_scene(SceneStore& store,
                              const SceneSettings& scene,
-                             const RenderRung& rung) {
+                             const RenderRung& rung,
+                             std::span<const std::string> trials) {
   SceneSettings searched = at_rung(scene, rung);
-  if (has_larger_pixels(searched, scene) && !can_be_scored(store, searched)) {
+  if (has_larger_pixels(searched, scene) && !can_be_scored(store, searched, trials)) {
     SceneSettings in_all_pixels = scene;
     in_all_pixels.paths.samples = std::max(scene.paths.samples, rung.paths.samples);
     return in_all_pixels;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <string>
 
 #include "studies/definition/ladder/render_ladder.h"
@@ -17,9 +18,14 @@ namespace glint {
 /// itself from the part (hidden_lights_problem()). A scene that asks for render.method = "direct"
 /// itself stays as it is. Half resolution that leaves a defect no pixel or no background, or the
 /// part no region, gives way to all pixels with as many samples as the rung has, or the scene
-/// itself where it has more.
+/// itself where it has more. So it does where a score of a simulated line is asked for and the
+/// inspector's rim leaves nothing of the part.
+/// @param trials  scores of WantedScores::trials
 /// @throws ConfigError beginning with the key at fault when part or lamps cannot be built, IoError
-SceneSettings searched_scene(SceneStore& store, const SceneSettings& scene, const RenderRung& rung);
+SceneSettings searched_scene(SceneStore& store,
+                             const SceneSettings& scene,
+                             const RenderRung& rung,
+                             std::span<const std::string> trials);
 
 /// less_offsets(), where searched_scene() has the rung's larger pixels.
 /// @param searched  searched_scene() of the scene

@@ -72,7 +72,7 @@ Found searched(const Study& study, const std::string& score, const RenderRung* r
   Found found;
   const auto evaluate_point = [&](const Point& point, int /*trial*/) {
     SceneSettings scene = scene_with(study, overrides_of(study, point));
-    scene = rung != nullptr ? searched_scene(store, scene, *rung) : scene;
+    scene = rung != nullptr ? searched_scene(store, scene, *rung, {}) : scene;
     found.work += counted_work(scene);
     return Outcome{.scores = evaluate(store, scene, {}, wanted_in_search(study)).scores};
   };

@@ -2,13 +2,17 @@
 #include "studies/imaging/searched/searched_scene.h"
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "core/units.h"
+#include "studies/evaluation/evaluation.h"
 #include "studies/imaging/scene_picture.h"
+#include "studies/inspection_line/simulated_line.h"
 #include "tests/studies/imaging/direct/lamp_scene.h"
 
 namespace glint::lamp_test {
@@ -38,7 +42,7 @@ RenderRung rung_of(const std::string& level) {
 TEST(SearchedScene, IsSummedWhereLampsHideNothing) {
   ThreadPool pool(2);
   SceneStore store(pool);
-  const SceneSettings scene = searched_scene(store, sectors(0.0), rung_of("direct sum"));
+  const SceneSettings scene = searched_scene(store, sectors(0.0), rung_of("direct sum"), {});
   EXPECT_EQ(scene.render.method, RenderSettings::Method::kDirect);
 }
 
@@ -49,7 +53,7 @@ TEST(SearchedScene, FollowsPathsWhereALampMayHideItself) {
   const RenderRung rung = rung_of("direct sum");
   const SceneSettings cone = sectors(75.0);
   EXPECT_THROW(picture_of(store, at_rung(cone, rung)), ConfigError) << "sums are refused";
-  const SceneSettings scene = searched_scene(store, cone, rung);
+  const SceneSettings scene = searched_scene(store, cone, rung, {});
   EXPECT_EQ(scene.render.method, RenderSettings::Method::kAuto);
   EXPECT_EQ(scene.paths.samples, rung.paths.samples);
   EXPECT_TRUE(picture_of(store, scene)->mean({}).aspect.values().size() > 0);
@@ -59,7 +63,7 @@ TEST(SearchedScene, OfOtherRungsIsWhatTheRungSays) {
   ThreadPool pool(2);
   SceneStore store(pool);
   const RenderRung rung = rung_of("direct light");
-  const SceneSettings scene = searched_scene(store, sectors(75.0), rung);
+  const SceneSettings scene = searched_scene(store, sectors(75.0), rung, {});
   EXPECT_EQ(scene.render.method, RenderSettings::Method::kAuto);
   EXPECT_EQ(scene.paths.samples, rung.paths.samples);
 }
@@ -70,7 +74,7 @@ TEST(SearchedScene, LeavesWhatTheFileAsksFor) {
   SceneStore store(pool);
   SceneSettings cone = sectors(75.0);
   cone.render.method = RenderSettings::Method::kDirect;
-  const SceneSettings scene = searched_scene(store, cone, rung_of("direct sum"));
+  const SceneSettings scene = searched_scene(store, cone, rung_of("direct sum"), {});
   EXPECT_EQ(scene.render.method, RenderSettings::Method::kDirect);
 }
 
@@ -102,13 +106,53 @@ TEST(SearchedScene, TakesAllPixelsWhereLargerOnesLeaveADefectNoBackground) {
   const RenderRung rung = half_resolution(32);
   ASSERT_NO_THROW(store.trace(scene));
   EXPECT_THROW(store.trace(at_rung(scene, rung)), ConfigError);
-  const SceneSettings searched = searched_scene(store, scene, rung);
+  const SceneSettings searched = searched_scene(store, scene, rung, {});
   EXPECT_EQ(searched.camera.width_px, scene.camera.width_px);
   EXPECT_EQ(searched.paths.samples, 128) << "the scene's own";
-  EXPECT_EQ(searched_scene(store, scene, half_resolution(256)).paths.samples, 256);
+  EXPECT_EQ(searched_scene(store, scene, half_resolution(256), {}).paths.samples, 256);
   std::map<std::string, double> scores = {{"homogeneity.h_rms", 0.5}};
   less_offsets(scene, searched, rung, scores);
   EXPECT_EQ(scores.at("homogeneity.h_rms"), 0.5) << "mean errors are those of half resolution";
+}
+
+/// 8 rows of whole pixels, of which a rim of 3 leaves 2; of pixels twice as large 3 rows, which a
+/// rim of 2 takes all of.
+SceneSettings narrow_plate() {
+  SceneSettings scene = by_paths(sectors(0.0));
+  scene.part.width_mm = 2.4;
+  scene.defects.clear();
+  scene.inspection.erosion_px = 3;
+  return scene;
+}
+
+TEST(SearchedScene, TakesAllPixelsWhereLargerOnesAreAllRimToTheInspector) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  const SceneSettings scene = narrow_plate();
+  const RenderRung rung = half_resolution(32);
+  const SceneSettings half = at_rung(scene, rung);
+  ASSERT_NO_THROW(store.trace(half)) << "its picture has a region";
+  ASSERT_NO_THROW(check_inspected_region(store, scene));
+  EXPECT_THAT([&] { check_inspected_region(store, half); },
+              testing::ThrowsMessage<ConfigError>(testing::HasSubstr("inspection.erosion_px")));
+  const std::vector<std::string> of_line = {"inspection.false_alarms"};
+  EXPECT_EQ(searched_scene(store, scene, rung, of_line).camera.width_px, scene.camera.width_px);
+  const std::vector<std::string> of_scans = {"homogeneity.h_rms.low"};
+  EXPECT_EQ(searched_scene(store, scene, rung, of_scans).camera.width_px, half.camera.width_px)
+      << "nothing is inspected";
+}
+
+// As a search evaluates a design.
+TEST(SearchedScene, IsInspectedWhereHalfResolutionWouldFail) {
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  SceneSettings scene = narrow_plate();
+  scene.inspection.trials.flawless = 2;
+  const RenderRung rung = half_resolution(8);
+  const WantedScores wanted = {.trials = {"inspection.false_alarms"}};
+  EXPECT_THROW(evaluate(store, at_rung(scene, rung), {}, wanted), ConfigError);
+  const SceneSettings searched = searched_scene(store, scene, rung, wanted.trials);
+  EXPECT_TRUE(evaluate(store, searched, {}, wanted).scores.contains("inspection.false_alarms"));
 }
 
 TEST(SearchedScene, OfHalfResolutionIsCorrectedWhereItCanBeScored) {
@@ -116,7 +160,7 @@ TEST(SearchedScene, OfHalfResolutionIsCorrectedWhereItCanBeScored) {
   SceneStore store(pool);
   const SceneSettings scene = by_paths(sectors(0.0));
   const RenderRung rung = half_resolution(32);
-  const SceneSettings searched = searched_scene(store, scene, rung);
+  const SceneSettings searched = searched_scene(store, scene, rung, {});
   EXPECT_EQ(searched.camera.width_px, scene.camera.width_px / 2);
   EXPECT_EQ(searched.paths.samples, 32);
   std::map<std::string, double> scores = {{"homogeneity.h_rms", 0.5}};

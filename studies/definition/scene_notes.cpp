@@ -329,17 +329,27 @@ std::vector<std::string> stability_notes(const SceneSettings& scene, const Score
   return notes;
 }
 
-/// Stripes that pixels cannot separate.
+/// Stripes that pixels cannot separate, or that are narrower than a pixel.
 std::string fine_stripes_note(const SceneSettings& scene) {
-  const double pixel_mm = lens_geometry(scene.camera, scene.lens).object_pixel_mm;
-  const double ratio = scene.tunnel.period_mm / pixel_mm;
-  return scene.has_tunnel && ratio < 4.0
-             ? fmt::format(
-                   "A period of the stripes is {:.2g} pixels on the part, and less in the "
-                   "mirror: pixels alias them, and blur is applied to pixels: frames and "
-                   "what changes in them by a defect are uncertain.",
-                   ratio)
-             : std::string();
+  const TunnelSettings& tunnel = scene.tunnel;
+  const double period_px =
+      tunnel.period_mm / lens_geometry(scene.camera, scene.lens).object_pixel_mm;
+  const double narrower_px = period_px * std::min(tunnel.duty, 1.0 - tunnel.duty);
+  if (scene.has_tunnel && period_px < 4.0) {
+    return fmt::format(
+        "A period of the stripes is {:.2g} pixels on the part, and less in the mirror: pixels "
+        "alias them, and blur is applied to pixels: frames and what changes in them by a defect "
+        "are uncertain.",
+        period_px);
+  }
+  if (scene.has_tunnel && narrower_px > 0.0 && narrower_px < 1.0) {
+    return fmt::format(
+        "The {} stripes are {:.2g} pixels wide on the part, and less in the mirror: frames and "
+        "what changes in them by a defect are uncertain.",
+        tunnel.duty < 0.5 ? "bright" : "dark",
+        narrower_px);
+  }
+  return {};
 }
 
 /// How the light of the scene comes about. Lobes of rough metal see the slot and the wall's ends:

@@ -127,6 +127,20 @@ TEST(SceneNotes, WarnOfWhatStabilityFoundAndOfNothingElse) {
   EXPECT_EQ(scene_notes(scene, {}).size(), 1U);
 }
 
+// 0.5 % of 16 mm are 0.53 pixels of 0.15 mm.
+TEST(SceneNotes, WarnOfStripesNarrowerThanAPixel) {
+  const auto has_note = Contains(HasSubstr("stripes are 0.53 pixels wide on the part"));
+  SceneSettings scene;
+  scene.tunnel.duty = 0.005;
+  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  scene.tunnel.duty = 0.995;
+  EXPECT_THAT(scene_notes(scene, {}), Contains(HasSubstr("The dark stripes are 0.53 pixels")));
+  for (const double duty : {0.0, 0.01, 0.99, 1.0}) {
+    scene.tunnel.duty = duty;
+    EXPECT_THAT(scene_notes(scene, {}), Not(Contains(HasSubstr("pixels wide")))) << duty;
+  }
+}
+
 TEST(SceneNotes, ListTheLightsOfAPathTracedSceneAndSayWhenItIsDark) {
   const SceneSettings scene = lit_by({{.name = "ring", .settings = RingSettings{}}});
   const auto notes = scene_notes(scene, {{"homogeneity.mean", 0.0}});

@@ -12,6 +12,7 @@
 #include "studies/definition/render_methods.h"
 #include "studies/definition/scene_notes.h"
 #include "studies/imaging/defect_windows.h"
+#include "studies/stability/note_coverage.h"
 #include "studies/stability/reference/reference_light.h"
 #include "studies/stability/reference/reference_picture.h"
 
@@ -167,17 +168,17 @@ Outcome evaluated(SceneStore& store, const ConfigNode& root) {
   return outcome;
 }
 
-std::string told_beside(const Outcome& outcome, const Outcome* harmless) {
-  std::string told;
+std::vector<std::string> notes_beside(const Outcome& outcome, const Outcome* harmless) {
+  std::vector<std::string> notes;
   for (const std::string& note : outcome.notes) {
     const auto is_same = [&](const std::string& other) {
       return letters_of(other) == letters_of(note);
     };
     if (harmless != nullptr && std::ranges::none_of(harmless->notes, is_same)) {
-      told += (told.empty() ? "" : " ") + note;
+      notes.push_back(note);
     }
   }
-  return told;
+  return notes;
 }
 
 std::vector<CellError> errors_of_tunnel(const Outcome& outcome, const Bounds& bounds) {
@@ -235,17 +236,23 @@ std::vector<CellError> errors_of_bar(const Outcome& outcome, const Bounds& bound
 }
 
 void judge(const Outcome& outcome, const Outcome* harmless, Cell& cell) {
-  const std::string notes = told_beside(outcome, harmless);
+  const std::vector<std::string> notes = notes_beside(outcome, harmless);
   cell.verdict = Verdict::kRight;
   cell.message.clear();
   for (const CellError& error : cell.errors) {
     if (error.error - error.uncertainty <= error.bound) {
       continue;
     }
-    cell.message = notes.empty() ? standard_error_told(outcome, error) : notes;
-    cell.verdict = cell.message.empty() ? Verdict::kWrong : Verdict::kTold;
-    if (cell.verdict == Verdict::kWrong) {
+    const std::string noted = told_of(error.quantity, notes);
+    const std::string told = noted.empty() ? standard_error_told(outcome, error) : noted;
+    if (told.empty()) {
+      cell.verdict = Verdict::kWrong;
+      cell.message.clear();
       return;
+    }
+    cell.verdict = Verdict::kTold;
+    if (cell.message.find(told) == std::string::npos) {
+      cell.message += (cell.message.empty() ? "" : " ") + told;
     }
   }
 }

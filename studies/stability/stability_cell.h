@@ -65,8 +65,8 @@ struct Outcome {
 /// Reads, checks and evaluates a scene as `glint check` does. @throws ConfigError, IoError
 Outcome evaluated(SceneStore& store, const ConfigNode& root);
 
-/// What is told of this outcome and not of the harmless one, numbers aside.
-std::string told_beside(const Outcome& outcome, const Outcome* harmless);
+/// Notes on this outcome that the harmless one does not have, numbers aside.
+std::vector<std::string> notes_beside(const Outcome& outcome, const Outcome* harmless);
 
 /// A scene under a tunnel against the reference tracer. @throws ConfigError
 std::vector<CellError> errors_of_tunnel(const Outcome& outcome, const Bounds& bounds);
@@ -75,7 +75,7 @@ std::vector<CellError> errors_of_tunnel(const Outcome& outcome, const Bounds& bo
 std::vector<CellError> errors_of_bar(const Outcome& outcome, const Bounds& bounds);
 
 /// The verdict on the errors, each by itself: wrong where one of them is beyond its bound for
-/// certain and nothing is said of it.
+/// certain and no note that covers its quantity (note_coverages()) says so.
 void judge(const Outcome& outcome, const Outcome* harmless, Cell& cell);
 
 }  // namespace glint::stability

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -10,6 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/config/toml.h"
+#include "studies/definition/scene_notes.h"
+#include "studies/stability/note_coverage.h"
 #include "studies/stability/stability_pairs.h"
 
 namespace glint::stability {
@@ -78,10 +81,71 @@ TEST(Judge, CallsAnErrorBeyondItsBoundWrongUnlessItIsTold) {
   Cell wrong = cell_with(1.1, 1.0);
   judge(outcome, &harmless, wrong);
   EXPECT_EQ(wrong.verdict, Verdict::kWrong) << "the same remark with another number tells nothing";
-  outcome.notes.emplace_back("the picture clips");
+  outcome.notes.emplace_back("Beyond the border the border's pixels are repeated.");
   judge(outcome, &harmless, wrong);
   EXPECT_EQ(wrong.verdict, Verdict::kTold);
-  EXPECT_EQ(wrong.message, "the picture clips");
+  EXPECT_EQ(wrong.message, outcome.notes.back());
+}
+
+TEST(Judge, ANoteCoversTheQuantitiesOfItsKindAlone) {
+  const Outcome harmless;
+  Outcome outcome;
+  outcome.notes = {"Light ring, radii 25 to 40 mm.", "the flawless surface itself shows a ripple."};
+  const auto verdict_on = [&](const std::vector<CellError>& errors) {
+    Cell cell{.errors = errors};
+    judge(outcome, &harmless, cell);
+    return cell.verdict;
+  };
+  const CellError h{.quantity = "h_points", .error = 2.0, .bound = 0.5};
+  const CellError contrast{.quantity = "contrast_percent", .error = 28.0, .bound = 5.0};
+  EXPECT_EQ(verdict_on({h}), Verdict::kTold);
+  EXPECT_EQ(verdict_on({contrast}), Verdict::kWrong) << "a ripple is no contrast";
+  EXPECT_EQ(verdict_on({h, contrast}), Verdict::kWrong);
+  outcome.notes.emplace_back("what changes in them by a defect are uncertain.");
+  EXPECT_EQ(verdict_on({h, contrast}), Verdict::kTold);
+  outcome.notes.erase(outcome.notes.begin() + 1);
+  EXPECT_EQ(verdict_on({h}), Verdict::kWrong) << "what a scene is excuses nothing";
+}
+
+TEST(Judge, TellsEachErrorByItsOwnNote) {
+  const Outcome harmless;
+  const Outcome outcome{.notes = {"the flawless surface itself shows a ripple.",
+                                  "what changes in them by a defect are uncertain."}};
+  Cell cell;
+  cell.errors = {{.quantity = "h_points", .error = 2.0, .bound = 0.5},
+                 {.quantity = "mean", .error = 0.02, .bound = 0.01},
+                 {.quantity = "contrast_percent", .error = 28.0, .bound = 5.0}};
+  judge(outcome, &harmless, cell);
+  EXPECT_EQ(cell.message, outcome.notes[0] + " " + outcome.notes[1]);
+}
+
+/// One or more of all kinds that tell of an error.
+std::vector<std::string> notes_of_faults() {
+  SceneSettings scene;
+  scene.scan.positions = 25;
+  scene.sensor.blur_px = 25.0;
+  scene.sensor.full_well_e = 100.0;
+  scene.tunnel.period_mm = 0.5;
+  scene.defects = {{"dent", DefectGroup{}}};
+  std::vector<std::string> notes = scene_notes(
+      scene,
+      {{"homogeneity.clipped_share", 0.5}, {"view.hidden_share", 0.5}, {"rays.max_cells", 4.0}});
+  Sweep sweep = chosen_sweeps({"dent_over_pixel"}).front();
+  const auto value = std::ranges::find(sweep.values, 1.0, &SweepValue::value);
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  const auto base = parse_toml(base_scene_text(), "base scene");
+  std::ranges::copy(evaluated(store, scene_tables_of(base, sweep, *value)).notes,
+                    std::back_inserter(notes));
+  return notes;
+}
+
+// Else a note that is worded anew would tell nothing any more.
+TEST(NoteCoverage, OfEveryKindIsWordedAsTheProgramDoes) {
+  const std::vector<std::string> notes = notes_of_faults();
+  for (const NoteCoverage& coverage : note_coverages()) {
+    EXPECT_THAT(notes, ::testing::Contains(::testing::HasSubstr(std::string(coverage.words))));
+  }
 }
 
 // The contrast is 4 bounds off, by a reference that is not sure of it; the picture certainly 1.5.

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a note of the program tells of: a ripple of the flawless surface excuses a wrong h, no wrong
+// contrast.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace glint::stability {
+
+/// A kind of note, and the quantities of a cell (CellError::quantity) that it tells may be wrong.
+struct NoteCoverage {
+  std::string_view words;  ///< that every note of the kind has, and no other one
+  std::vector<std::string_view> quantities;
+};
+
+/// All notes that tell of an error. Any other one describes the scene.
+const std::vector<NoteCoverage>& note_coverages();
+
+/// Those of the notes that tell that the quantity may be wrong, with a blank in between.
+std::string told_of(std::string_view quantity, std::span<const std::string> notes);
+
+}  // namespace glint::stability

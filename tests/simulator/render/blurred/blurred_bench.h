@@ -116,19 +116,33 @@ inline Mask inner_pixels(const BlurredScene& scene, const PathBench& bench) {
 /// The error of frames against two independent noisy pictures of the same.
 struct BlurredError {
   double rms = 0.0;         ///< noise taken out; 0 where it would be negative
-  double percentile = 0.0;  ///< 99th of the distance from the mean of both, noise and all
+  double percentile = 0.0;  ///< 99th of the distance from the mean of both, noise taken out
   double noise = 0.0;       ///< standard error of that mean
   double mean = 0.0;        ///< of the difference
   double contrast = 0.0;    ///< rms of the frames about their mean
   std::size_t values = 0;
 };
 
+/// The 99th.
+inline double percentile_of(std::vector<double>& distances) {
+  const auto rank = static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(distances.size()));
+  std::nth_element(distances.begin(), distances.begin() + rank, distances.end());
+  return distances[static_cast<std::size_t>(rank)];
+}
+
+/// Half the difference of two pictures is as noisy as their mean: its percentile is what the mean's
+/// noise alone would be off by. Both percentiles are subtracted as squares, as they add where
+/// errors and noise are normal.
+inline double without_noise(double percentile, double of_noise) {
+  return std::sqrt(std::max(0.0, percentile * percentile - of_noise * of_noise));
+}
+
 inline BlurredError error_of(const std::vector<ImageF>& frames,
                              const std::vector<ImageF>& a,
                              const std::vector<ImageF>& b,
                              const Mask& where) {
   double product = 0.0, noise = 0.0, sum = 0.0, squares = 0.0, off = 0.0;
-  std::vector<double> distances;
+  std::vector<double> distances, noises;
   for (std::size_t k = 0; k < frames.size(); ++k) {
     for (std::size_t i = 0; i < where.size(); ++i) {
       if (where.values()[i] == 0) {
@@ -143,13 +157,12 @@ inline BlurredError error_of(const std::vector<ImageF>& frames,
       sum += value;
       squares += value * value;
       distances.push_back(std::abs(value - 0.5 * (first + second)));
+      noises.push_back(0.5 * std::abs(first - second));
     }
   }
   const auto count = static_cast<double>(distances.size());
-  const auto rank = static_cast<std::ptrdiff_t>(0.99 * count);
-  std::nth_element(distances.begin(), distances.begin() + rank, distances.end());
   return {.rms = std::sqrt(std::max(0.0, product / count)),
-          .percentile = distances[static_cast<std::size_t>(rank)],
+          .percentile = without_noise(percentile_of(distances), percentile_of(noises)),
           .noise = std::sqrt(noise / count),
           .mean = off / count,
           .contrast = std::sqrt(std::max(0.0, squares / count - sum * sum / (count * count))),

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Blurred reflections against path tracing under ten random tunnels of all shapes, at three widths
-// of the metal. Prints the error of each. GLINT_TUNNELS=0,8 chooses tunnels, GLINT_SAMPLES=2048 the
-// samples of each of the two path-traced pictures.
+// of the metal, each at the bar by itself. Prints the error of each. GLINT_TUNNELS=0,8 chooses
+// tunnels, GLINT_SAMPLES=2048 the samples of each of the two path-traced pictures.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -19,7 +19,7 @@
 namespace glint::blurred_test {
 namespace {
 
-constexpr double kRms = 0.002;
+constexpr double kRms = 0.002;  // of full scale, as the percentile: the reference's noise taken out
 constexpr double kPercentile = 0.01;
 
 TunnelSettings random_tunnel(Rng& rng, std::uint64_t index) {
@@ -96,8 +96,6 @@ bool is_wanted(std::uint64_t index) {
 
 TEST(BlurredReflections, AreThoseOfPathTracingUnderRandomTunnels) {
   for (const double alpha : {0.02, 0.05, 0.1}) {
-    double squares = 0.0;
-    double count = 0.0;
     for (std::uint64_t index = 0; index < 10; ++index) {
       if (!is_wanted(index)) {
         continue;
@@ -138,14 +136,9 @@ TEST(BlurredReflections, AreThoseOfPathTracingUnderRandomTunnels) {
           1e3 * took_s,
           same_error_s / took_s);
       EXPECT_GT(error.values, 300U) << index;
-      EXPECT_LT(error.rms, 2.0 * kRms) << index;
+      EXPECT_LT(error.rms, kRms) << index;
       EXPECT_LT(error.percentile, kPercentile) << index;
-      squares += error.rms * error.rms * static_cast<double>(error.values);
-      count += static_cast<double>(error.values);
     }
-    const double rms = std::sqrt(squares / std::max(1.0, count));
-    fmt::print("alpha {:4}: rms of all {:.5f}\n", alpha, rms);
-    EXPECT_LT(rms, kRms);
   }
 }
 

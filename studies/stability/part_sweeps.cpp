@@ -273,6 +273,48 @@ Sweep direct_switches() {
   return sweep;
 }
 
+/// Rough metal with two dents beside a bar, by paths.
+Sweep path_switches(const char* name,
+                    const char* key,
+                    const char* title,
+                    std::vector<SweepValue> values) {
+  return {.name = name,
+          .swept = key,
+          .title = title,
+          .kind = Sweep::Kind::kSwitch,
+          .is_beside_bar = true,
+          .sets = {{"material.type", "conductor"},
+                   {"material.roughness", "0.55"},
+                   {"sensor.gain", "100"},
+                   {"defects.dent.x_mm", "[-15, 12]"},
+                   {"defects.dent.y_mm", "[-6, 5]"},
+                   {"defects.dent.diameter_mm", "10"},
+                   {"defects.dent.height_um", "300"}},
+          .values = std::move(values)};
+}
+
+/// Dents that see themselves, but hardly.
+Sweep reflection_switches() {
+  Sweep sweep = path_switches("switches_reflections",
+                              "render.paths.max_reflections",
+                              "dents with ever fewer reflections on the part",
+                              key_values("render.paths.max_reflections", {8, 4, 2, 1}, "paths"));
+  sweep.sets.push_back({"defects.dent.realisation", "displaced"});
+  return sweep;
+}
+
+Sweep half_resolution_switches() {
+  return path_switches("switches_half_resolution",
+                       "resolution and samples",
+                       "dents by paths: all pixels, half as many a side, these with more samples",
+                       {{.value = 1, .sets = {}, .method = "paths"},
+                        {.value = 2, .sets = {}, .method = "paths", .pixel_factor = 2},
+                        {.value = 3,
+                         .sets = {{"render.paths.samples", "1024"}},
+                         .method = "paths",
+                         .pixel_factor = 2}});
+}
+
 }  // namespace
 
 std::vector<Sweep> part_sweeps() {
@@ -309,7 +351,9 @@ std::vector<Sweep> part_sweeps() {
              {}),
       switches(),
       blurred_switches(),
-      direct_switches()};
+      direct_switches(),
+      reflection_switches(),
+      half_resolution_switches()};
   const std::set<std::string> of_any_size = {"roughness", "samples", "switches"};
   for (Sweep& sweep : sweeps) {
     sweep.has_own_sizes = !of_any_size.contains(sweep.name);

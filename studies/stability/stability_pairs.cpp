@@ -18,6 +18,33 @@ double h_at(SceneStore& store, ConfigNode root, const char* radius_mm) {
   return evaluated(store, root).evaluation.scores.at(kH);
 }
 
+CellError change_error(double change, double other, const Bounds& bounds) {
+  return {.quantity = "contrast_percent",
+          .error = 100.0 * std::abs(change - other) / std::max(other, kMinContrast),
+          .bound = bounds.contrast_percent,
+          .measured = change,
+          .reference = other};
+}
+
+/// Of the defect whose change differs most; none where no defect is in both.
+std::vector<CellError> worst_change(const Outcome& outcome,
+                                    const Outcome& other,
+                                    const Bounds& bounds) {
+  std::vector<CellError> worst;
+  for (const DefectScores& defect : outcome.evaluation.defects) {
+    const std::vector<DefectScores>& others = other.evaluation.defects;
+    const auto same = std::ranges::find(others, defect.label, &DefectScores::label);
+    if (same == others.end()) {
+      continue;
+    }
+    const CellError error = change_error(defect.change, same->change, bounds);
+    if (worst.empty() || error.error > worst.front().error) {
+      worst = {error};
+    }
+  }
+  return worst;
+}
+
 }  // namespace
 
 DesignPair design_pair(SceneStore& store, const ConfigNode& root) {
@@ -45,16 +72,18 @@ std::vector<CellError> errors_of_switch(const Outcome& outcome,
   const char* const kMean = "homogeneity.mean";
   const double mean = outcome.evaluation.scores.at(kMean);
   const double other_mean = other.evaluation.scores.at(kMean);
-  return {{.quantity = "h_points",
-           .error = 100.0 * std::abs(h - other_h),
-           .bound = bounds.h_points,
-           .measured = h,
-           .reference = other_h},
-          {.quantity = "mean",
-           .error = std::abs(mean - other_mean),
-           .bound = bounds.picture,
-           .measured = mean,
-           .reference = other_mean}};
+  std::vector<CellError> errors = worst_change(outcome, other, bounds);
+  errors.push_back({.quantity = "h_points",
+                    .error = 100.0 * std::abs(h - other_h),
+                    .bound = bounds.h_points,
+                    .measured = h,
+                    .reference = other_h});
+  errors.push_back({.quantity = "mean",
+                    .error = std::abs(mean - other_mean),
+                    .bound = bounds.picture,
+                    .measured = mean,
+                    .reference = other_mean});
+  return errors;
 }
 
 }  // namespace glint::stability

@@ -25,7 +25,8 @@ CellError flip_error(const DesignPair& undisturbed,
                      const DesignPair& disturbed,
                      const Bounds& bounds);
 
-/// h and mean image of one method against those of another.
+/// h and mean image of one method against those of another, and of their defects the change that
+/// differs most.
 std::vector<CellError> errors_of_switch(const Outcome& outcome,
                                         const Outcome& other,
                                         const Bounds& bounds);

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "studies/definition/ladder/larger_pixels.h"
 #include "studies/definition/overrides.h"
 #include "studies/stability/light_sweeps.h"
 #include "studies/stability/part_sweeps.h"
@@ -29,6 +30,15 @@ void name_tunnel(const std::string& name, Sweep& sweep) {
   for (SweepValue& value : sweep.values) {
     rename(value.sets);
   }
+}
+
+ConfigNode in_larger_pixels(const ConfigNode& root, int factor) {
+  std::vector<Problem> problems;
+  const SceneSettings scene = read_scene(root, problems);
+  if (!problems.empty()) {
+    throw ConfigError(problems);
+  }
+  return write_scene(with_larger_pixels(scene, factor));
 }
 
 }  // namespace
@@ -173,7 +183,7 @@ ConfigNode scene_tables_of(const ConfigNode& base, const Sweep& sweep, const Swe
   for (const KeyValue& set : value.sets) {
     put_set(root, set.path, set.value);
   }
-  return root;
+  return value.pixel_factor > 1 ? in_larger_pixels(root, value.pixel_factor) : root;
 }
 
 }  // namespace glint::stability

@@ -41,6 +41,7 @@ struct SweepValue {
   std::vector<KeyValue> sets;   ///< over those of the sweep
   std::string method = "auto";  ///< render.method
   double sliver_mm = 0.0;       ///< > 0: the plate is a mesh with triangles as narrow as this
+  int pixel_factor = 1;         ///< > 1: with_larger_pixels()
 };
 
 struct Sweep {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <iterator>
 #include <set>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -177,6 +179,62 @@ TEST(FlipError, IsTheSmallerOfTheTwoLeads) {
   const DesignPair before{.h_first = 0.807, .h_second = 0.8};
   EXPECT_NEAR(flip_error(before, {.h_first = 0.8, .h_second = 0.806}, {}).error, 0.6, 1e-9);
   EXPECT_EQ(flip_error(before, {.h_first = 0.9, .h_second = 0.1}, {}).error, 0.0);
+}
+
+TEST(Sweeps, HaveASwitchBetweenAllKindsOfRungs) {
+  std::set<std::string> names;
+  for (const Sweep& sweep : all_sweeps()) {
+    if (sweep.kind == Sweep::Kind::kSwitch) {
+      names.insert(sweep.name);
+    }
+  }
+  EXPECT_THAT(names,
+              ::testing::UnorderedElementsAre("switches",
+                                              "switches_blurred",
+                                              "switches_direct",
+                                              "switches_half_resolution",
+                                              "switches_reflections"));
+  const Sweep reflections = chosen_sweeps({"switches_reflections"}).front();
+  EXPECT_EQ(reflections.values.front().value, 8);
+  EXPECT_EQ(reflections.values.back().value, 1) << "direct light alone";
+}
+
+/// A dent of each change, all with the same h and mean.
+Outcome with_changes(const std::vector<double>& changes) {
+  Outcome outcome;
+  outcome.evaluation.scores = {{"homogeneity.h_rms", 0.8}, {"homogeneity.mean", 0.5}};
+  for (const double change : changes) {
+    DefectScores dent;
+    dent.label = "dent_" + std::to_string(outcome.evaluation.defects.size() + 1);
+    dent.change = change;
+    outcome.evaluation.defects.push_back(dent);
+  }
+  return outcome;
+}
+
+// 0.1 and 0.106 are 6 % apart; 0.001 and 0.0015 only 5 % of 0.01.
+TEST(ErrorsOfSwitch, CompareTheChangesOfDefects) {
+  const Outcome before = with_changes({0.001, 0.1});
+  Cell cell{.errors = errors_of_switch(with_changes({0.0015, 0.106}), before, {})};
+  EXPECT_EQ(worst_of(cell)->quantity, "contrast_percent");
+  EXPECT_NEAR(worst_of(cell)->error, 6.0, 1e-9);
+  judge(before, &before, cell);
+  EXPECT_EQ(cell.verdict, Verdict::kWrong);
+  cell.errors = errors_of_switch(with_changes({0.0013, 0.1}), before, {});
+  EXPECT_NEAR(worst_of(cell)->error, 3.0, 1e-9);
+  EXPECT_EQ(errors_of_switch(with_changes({}), with_changes({}), {}).size(), 2U);
+}
+
+TEST(Stability, SwitchesToHalfResolutionWithItsContrast) {
+  std::vector<Sweep> sweeps = chosen_sweeps({"switches_half_resolution"});
+  sweeps.front().values.pop_back();
+  const Stability stability = measure_stability(sweeps, {});
+  const Cell& half = stability.sweeps.front().cells.at(1);
+  EXPECT_EQ(half.verdict, Verdict::kRight);
+  const auto contrast = std::ranges::find(half.errors, "contrast_percent", &CellError::quantity);
+  ASSERT_NE(contrast, half.errors.end());
+  EXPECT_GT(contrast->error, 0.1) << "as of larger pixels";
+  EXPECT_GT(contrast->reference, 2.0 * kMinContrast);
 }
 
 TEST(Stability, OfTwoSweepsJudgesEveryCell) {

@@ -58,13 +58,10 @@ deep_release() {
   build_preset release && build_preset bench
 }
 
-# A sanitizer makes everything two to ten times slower.
-sanitizer_timeout_s=3000
-
 run_under_asan() { # options of ctest
   "$root/script/bootstrap" --fuzz && build_preset asan || return
   LSAN_OPTIONS="suppressions=$root/tests/support/lsan_suppressions.txt" \
-    run_tests asan -LE slow "$@" --timeout "$sanitizer_timeout_s"
+    run_tests asan -LE slow "$@"
 }
 
 deep_asan() { run_under_asan -E "$outside|^(studies|cli)"; }
@@ -73,7 +70,7 @@ deep_asan_studies() { run_under_asan -R '^(studies|cli)'; }
 run_under_tsan() { # options of ctest
   "$root/script/bootstrap" --fuzz && build_preset tsan || return
   TSAN_OPTIONS="suppressions=$root/tests/support/tsan_suppressions.txt halt_on_error=1" \
-    run_tests tsan -LE slow "$@" --timeout "$sanitizer_timeout_s"
+    run_tests tsan -LE slow "$@"
 }
 
 deep_tsan() { run_under_tsan -R '^(core|optimizer|studies)'; }

@@ -143,13 +143,13 @@ SharedCovariance shared_covariance(const Bundle& bundle) {
   return covariance;
 }
 
-SharedCovariance covariance_with_unseen(Bundle bundle) {
+Bundle with_unseen(Bundle bundle) {
   constexpr double kUnseen = 5e-4;
   constexpr std::array<std::size_t, 2> kTangential = {7, 8};
   const bool is_lens_known = bundle.lens_prior.has_value() ||
                              std::ranges::none_of(bundle.is_free, [](bool free) { return free; });
   if (is_lens_known) {
-    return shared_covariance(bundle);
+    return bundle;
   }
   LensPrior prior{.sigma = LensVector::Constant(std::numeric_limits<double>::infinity())};
   for (const std::size_t term : kTangential) {
@@ -159,7 +159,11 @@ SharedCovariance covariance_with_unseen(Bundle bundle) {
       bundle.lens_prior = prior;
     }
   }
-  return shared_covariance(bundle);
+  return bundle;
+}
+
+SharedCovariance covariance_with_unseen(const Bundle& bundle) {
+  return shared_covariance(with_unseen(bundle));
 }
 
 PointError point_error(const Bundle& bundle,

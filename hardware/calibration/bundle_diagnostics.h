@@ -21,11 +21,13 @@ using SharedCovariance = Eigen::Matrix<double, 21, 21>;
 /// bundle's noise sizes taken as known.
 SharedCovariance shared_covariance(const Bundle& bundle);
 
-/// shared_covariance(), where p1 and p2 are left at 0 with what that leaves open: every lens has
+/// The bundle with p1 and p2 as unknowns of 0 +- 5e-4 where they are left at 0: every lens has
 /// some, and pictures too few to tell them take them for a turn of the camera and another centre.
-/// As far as the pictures leave them open they are unknowns of 0 +- 5e-4. Not where the lens is
-/// known (no term is free, or there is a prior).
-SharedCovariance covariance_with_unseen(Bundle bundle);
+/// As it is where the lens is known (no term is free, or there is a prior).
+Bundle with_unseen(Bundle bundle);
+
+/// shared_covariance(), where p1 and p2 are left at 0 with what that leaves open: with_unseen().
+SharedCovariance covariance_with_unseen(const Bundle& bundle);
 
 /// Standard deviation of the distance, in px, between the computed and the true place of a point.
 struct PointError {

@@ -61,4 +61,12 @@ Isometry3d camera_from_board(Mounting mounting,
   return PoseChain(mounting, poses, base_from_flange, {}).camera_from_board();
 }
 
+Isometry3d flange_that_sees(Mounting mounting,
+                            const HandEye& poses,
+                            const Isometry3d& camera_from_board) {
+  return mounting == Mounting::kEyeInHand
+             ? poses.board * camera_from_board.inverse() * poses.hand_eye.inverse()
+             : poses.hand_eye * camera_from_board * poses.board.inverse();
+}
+
 }  // namespace glint

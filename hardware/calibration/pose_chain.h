@@ -79,4 +79,9 @@ Eigen::Isometry3d camera_from_board(Mounting mounting,
                                     const HandEye& poses,
                                     const Eigen::Isometry3d& base_from_flange);
 
+/// The other way round: base_from_flange where the camera sees the board so.
+Eigen::Isometry3d flange_that_sees(Mounting mounting,
+                                   const HandEye& poses,
+                                   const Eigen::Isometry3d& camera_from_board);
+
 }  // namespace glint

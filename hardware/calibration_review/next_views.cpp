@@ -59,14 +59,6 @@ Scene scene_of(const Bundle& bundle, const std::vector<Vector3d>& board_mm, cons
   return scene;
 }
 
-/// The robot's pose that gives this view.
-Isometry3d flange_for(const Bundle& bundle, const Isometry3d& camera_from_board) {
-  const HandEye& poses = bundle.poses;
-  return bundle.mounting == Mounting::kEyeInHand
-             ? poses.board * camera_from_board.inverse() * poses.hand_eye.inverse()
-             : poses.hand_eye * camera_from_board * poses.board.inverse();
-}
-
 /// The corners as they would be seen; empty when one is too near to the border.
 std::optional<BoardCorners> seen_corners(const Scene& scene, const Isometry3d& camera_from_board) {
   BoardCorners corners{.board_mm = scene.board_mm};
@@ -103,7 +95,8 @@ void add_candidate(const Scene& scene, NextView view, std::vector<Candidate>& ca
   Bundle alone = without_views(scene.bundle);
   alone.lens_prior.reset();
   if (scene.bundle.are_poses_free) {
-    view.base_from_flange = flange_for(scene.bundle, view.camera_from_board);
+    view.base_from_flange =
+        flange_that_sees(scene.bundle.mounting, scene.bundle.poses, view.camera_from_board);
     alone.views = {joint_view(*corners, *view.base_from_flange)};
   } else {
     alone.views = {free_view(*corners, view.camera_from_board)};

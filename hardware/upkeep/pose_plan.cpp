@@ -132,17 +132,19 @@ View random_view(const PlanRequest& request, const Photographer& photographer, R
   return view;
 }
 
-/// A camera on a flange that coincides with it: what the poses say does not depend on where it is.
+/// The unknowns, without pictures.
 Bundle bundle_of(const PlanRequest& request) {
-  Bundle bundle;
-  bundle.lens = lens_vector(request.camera);
-  bundle.is_free.fill(true);
-  bundle.are_poses_free = true;
-  return bundle;
+  return with_unseen({.mounting = request.mounting,
+                      .lens = lens_vector(request.camera),
+                      .is_free = request.is_free,
+                      .poses = request.poses,
+                      .are_poses_free = true,
+                      .noise = request.noise});
 }
 
 BundleView view_of(const PlanRequest& request, const Isometry3d& camera_from_board) {
-  BundleView view{.base_from_flange = camera_from_board.inverse()};
+  BundleView view{.base_from_flange =
+                      flange_that_sees(request.mounting, request.poses, camera_from_board)};
   view.corners.board_mm = request.board_mm;
   for (const Vector3d& point : request.board_mm) {
     view.corners.picture_px.push_back(
@@ -155,18 +157,41 @@ BundleView view_of(const PlanRequest& request, const Isometry3d& camera_from_boa
 
 MatrixXd information_of(const PlanRequest& request, const Isometry3d& camera_from_board) {
   Bundle bundle = bundle_of(request);
+  bundle.lens_prior.reset();
   bundle.views.push_back(view_of(request, camera_from_board));
   return shared_information(bundle, compress(bundle), bundle.noise).hessian;
 }
 
-/// What is known before: enough that every sum can be inverted.
+/// What is known before: enough that every sum can be inverted, and what the pictures that there
+/// are tell.
 MatrixXd first_information(const PlanRequest& request) {
   const double focal = request.camera.focal_px.mean();
-  Eigen::Matrix<double, 21, 1> sigma;
-  sigma << 0.1 * focal, 0.1 * focal, 0.1 * focal, 0.1 * focal, 1.0, 10.0, 100.0, 0.1, 0.1,  //
-      Vector3d::Constant(1.0), Vector3d::Constant(1000.0), Vector3d::Constant(1.0),
-      Vector3d::Constant(1000.0);
-  return sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+  LensVector lens;
+  lens << 0.1 * focal, 0.1 * focal, 0.1 * focal, 0.1 * focal, 1.0, 10.0, 100.0, 0.1, 0.1;
+  const Bundle bundle = bundle_of(request);
+  std::vector<double> sigma;
+  for (std::size_t i = 0; i < kLensSize; ++i) {
+    if (bundle.is_free[i]) {
+      sigma.push_back(lens[static_cast<Eigen::Index>(i)]);
+    }
+  }
+  for (const double pose : {1.0, 1000.0, 1.0, 1000.0}) {
+    sigma.insert(sigma.end(), 3, pose);
+  }
+  const Eigen::Map<const Eigen::VectorXd> all(sigma.data(), std::ssize(sigma));
+  MatrixXd information = all.cwiseAbs2().cwiseInverse().asDiagonal();
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(all.size());
+  add_lens_prior(bundle, information, gradient);
+  for (const Isometry3d& pose : request.taken) {
+    information += information_of(request, pose.inverse());
+  }
+  return information;
+}
+
+HandEyeSigma hand_eye_sigma(const MatrixXd& information) {
+  const Eigen::VectorXd variances = inverse_information(information).diagonal().tail<12>();
+  return {.rad = std::sqrt(variances.head<3>().sum()),
+          .mm = std::sqrt(variances.segment<3>(3).sum())};
 }
 
 /// Natural logarithm of a determinant, in units that make the diagonal one.
@@ -180,11 +205,35 @@ double log_determinant(const MatrixXd& information) {
              : -kInfinite;
 }
 
+/// The more, the better.
+double worth_of(const PlanRequest& request, const MatrixXd& information) {
+  if (request.aim_rad <= 0.0 && request.aim_mm <= 0.0) {
+    return log_determinant(information);
+  }
+  const HandEyeSigma sigma = hand_eye_sigma(information);
+  const double turn = request.aim_rad > 0.0 ? sigma.rad / request.aim_rad : 0.0;
+  const double shift = request.aim_mm > 0.0 ? sigma.mm / request.aim_mm : 0.0;
+  return -(turn * turn + shift * shift);
+}
+
+/// What the hand-eye is known to, from the pictures that there are to the last pose.
+void foretell(const PlanRequest& request, PosePlan& plan) {
+  MatrixXd information = first_information(request);
+  plan.before = hand_eye_sigma(information);
+  for (const Isometry3d& pose : plan.board_from_camera) {
+    information += information_of(request, pose.inverse());
+    plan.after.push_back(hand_eye_sigma(information));
+  }
+}
+
 PosePlan plan_of(const PlanRequest& request,
                  const Photographer& photographer,
                  const std::vector<Isometry3d>& camera_from_board) {
   PosePlan plan{.near_mm = photographer.near_mm(), .far_mm = photographer.far_mm()};
   Bundle bundle = bundle_of(request);
+  for (const Isometry3d& pose : request.taken) {
+    bundle.views.push_back(view_of(request, pose.inverse()));
+  }
   for (const Isometry3d& pose : camera_from_board) {
     bundle.views.push_back(view_of(request, pose));
     plan.board_from_camera.push_back(pose.inverse());
@@ -193,6 +242,9 @@ PosePlan plan_of(const PlanRequest& request,
   plan.lens_sigma = covariance.diagonal().head<9>().cwiseSqrt();
   plan.hand_eye_rad = std::sqrt(covariance.diagonal().segment<3>(9).sum());
   plan.hand_eye_mm = std::sqrt(covariance.diagonal().segment<3>(12).sum());
+  if (!request.taken.empty()) {
+    foretell(request, plan);
+  }
   return plan;
 }
 
@@ -237,7 +289,7 @@ PosePlan informative_poses(const PlanRequest& request) {
   std::vector<Isometry3d> chosen;
   while (std::ssize(chosen) < request.count) {
     const auto best = std::ranges::max_element(candidates, {}, [&](const auto& candidate) {
-      return log_determinant(information + candidate.second);
+      return worth_of(request, information + candidate.second);
     });
     information += best->second;
     chosen.push_back(best->first);

@@ -30,22 +30,40 @@ struct PlanRequest {
   double roll_rad = 0.7;    ///< about the view, to both sides
   double margin_px = 10.0;  ///< that the board keeps from the picture's border
   std::uint64_t seed = 1;
+  LensMask is_free = {true, true, true, true, true, true, true, true, true};  ///< is estimated
+  NoiseSizes noise;
+  Mounting mounting = Mounting::kEyeInHand;
+  HandEye poses;                         ///< what the poses say hardly depends on it
+  std::vector<Eigen::Isometry3d> taken;  ///< board_from_camera of pictures that there are already
+  /// What the hand-eye is to be known to, of its three numbers together, with_unseen() counted;
+  /// 0: not asked for; with neither all unknowns count alike.
+  double aim_rad = 0.0;
+  double aim_mm = 0.0;
+};
+
+/// Standard deviations of a hand-eye: roots of the sums of the three axes' variances.
+struct HandEyeSigma {
+  double rad = 0.0;
+  double mm = 0.0;
 };
 
 /// Poses in the order to take them.
 struct PosePlan {
   std::vector<Eigen::Isometry3d> board_from_camera;
-  /// Standard deviations that the poses promise with the noise sizes that NoiseSizes starts with.
+  /// Standard deviations that the poses promise, with the pictures that there are.
   LensVector lens_sigma = LensVector::Zero();
   double hand_eye_rad = 0.0;  ///< root of the sum of the three axes' variances
   double hand_eye_mm = 0.0;
-  double near_mm = 0.0;  ///< the distances that were tried
+  HandEyeSigma before;  ///< with pictures that there are: what these tell, with_unseen() counted
+  std::vector<HandEyeSigma> after;  ///< with each pose and those before it; else empty
+  double near_mm = 0.0;             ///< the distances that were tried
   double far_mm = 0.0;
 };
 
 /// Out of 600 random poses that show the whole board in focus those are taken, one after another,
-/// that add most information about intrinsics, hand-eye and board (greedy D-optimal design), so
-/// that any first part of the plan is a good plan, too.
+/// that add most to what the pictures that there are tell of intrinsics, hand-eye and board (greedy
+/// D-optimal design), or with an aim shrink the hand-eye's variances most, in units of the aim
+/// (A-optimal), so that any first part of the plan is a good plan, too.
 /// @throws ConfigError when hardly any pose shows the whole board
 PosePlan informative_poses(const PlanRequest& request);
 

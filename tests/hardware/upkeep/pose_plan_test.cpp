@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/rng.h"
+#include "hardware/calibration/joint_fit.h"
 #include "tests/hardware/calibration/simulated_cell.h"
 
 namespace glint {
@@ -194,6 +195,78 @@ TEST(PosePlan, KeepsItsPromise) {
   // Chi-square with 12 degrees of freedom is between 1.9 and 36 but once in 2000 times.
   EXPECT_GT(square, 1.9);
   EXPECT_LT(square, 36.0);
+}
+
+/// A narrow view whose p1 and p2 are left at 0, and nine pictures of one distance.
+PlanRequest second_round() {
+  PlanRequest wanted = request();
+  wanted.camera.focal_px = {3600, 3600};
+  wanted.near_mm = 306.0;
+  wanted.far_mm = 414.0;
+  PlanRequest first = wanted;
+  first.count = 9;
+  first.near_mm = 340.0;
+  first.far_mm = 390.0;
+  wanted.taken = strided_poses(first).board_from_camera;
+  wanted.count = 8;
+  wanted.is_free = {true, true, true, true};
+  wanted.noise = {.corner_px = 0.06, .robot_rad = 7e-5, .robot_mm = 0.02};
+  return wanted;
+}
+
+/// What a calibration states that leaves p1 and p2 at 0, from the pictures that there are and the
+/// planned ones, of a lens that has both.
+SharedCovariance stated(const PlanRequest& wanted, const PosePlan& plan) {
+  Bundle bundle{.lens = lens_vector(wanted.camera),
+                .is_free = wanted.is_free,
+                .are_poses_free = true,
+                .noise = wanted.noise};
+  LensVector hidden = bundle.lens;
+  hidden.tail<2>() << 8e-4, -6e-4;
+  std::vector<Eigen::Isometry3d> poses = wanted.taken;
+  poses.insert(poses.end(), plan.board_from_camera.begin(), plan.board_from_camera.end());
+  for (const Eigen::Isometry3d& pose : poses) {
+    BoardCorners corners{.board_mm = wanted.board_mm};
+    for (const Eigen::Vector3d& point : wanted.board_mm) {
+      corners.picture_px.push_back(*project_by_lens(hidden, pose.inverse() * point, nullptr));
+    }
+    bundle.views.push_back(joint_view(corners, pose));
+  }
+  return covariance_with_unseen(bundle);
+}
+
+double turn_of(const SharedCovariance& covariance) {
+  return std::sqrt(covariance.diagonal().segment<3>(9).sum());
+}
+
+TEST(PosePlan, AimedPosesTellTheTurnThatP1AndP2LeaveOpen) {
+  PlanRequest wanted = second_round();
+  const double by_all = turn_of(stated(wanted, informative_poses(wanted)));
+  wanted.aim_rad = 2e-4;
+  wanted.aim_mm = 0.08;
+  EXPECT_LT(turn_of(stated(wanted, informative_poses(wanted))), 0.95 * by_all);
+}
+
+TEST(PosePlan, ForetellsWhatACalibrationStates) {
+  PlanRequest wanted = second_round();
+  wanted.aim_rad = 2e-4;
+  const PosePlan plan = informative_poses(wanted);
+  EXPECT_NEAR(plan.before.rad / turn_of(stated(wanted, {})), 1.0, 0.01);
+  ASSERT_EQ(plan.after.size(), 8U);
+  const SharedCovariance covariance = stated(wanted, plan);
+  EXPECT_NEAR(plan.after.back().rad / turn_of(covariance), 1.0, 0.01);
+  EXPECT_NEAR(
+      plan.after.back().mm / std::sqrt(covariance.diagonal().segment<3>(12).sum()), 1.0, 0.01);
+  EXPECT_LT(plan.after.back().rad, 0.8 * plan.before.rad);
+}
+
+TEST(PosePlan, PromisesWithThePicturesThatThereAre) {
+  PlanRequest wanted = second_round();
+  const PosePlan more = informative_poses(wanted);
+  wanted.taken.clear();
+  const PosePlan alone = informative_poses(wanted);
+  EXPECT_LT(more.lens_sigma[2], 0.9 * alone.lens_sigma[2]);
+  EXPECT_TRUE(alone.after.empty());
 }
 
 TEST(PosePlan, RefusesABoardThatDoesNotFit) {

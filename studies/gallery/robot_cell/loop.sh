@@ -60,7 +60,7 @@ printf 'schema = 2\ninclude = ["%s"]\n%s\n' "$here/study.toml" "$resize" >"$out/
 # 1. The camera's lens and its place on the flange.
 "$glint" cell twin both "$out/cell_board.toml" --port 0 --detach --ready_file "$ready"
 hand_eye=()
-if ((${WIDTH:-1224} >= 1224)); then hand_eye=(--target_mm 0.04 --target_deg 0.012 --max_rounds 6); fi
+if ((${WIDTH:-1224} >= 1224)); then hand_eye=(--target_mm 0.04 --target_deg 0.012 --max_rounds 8); fi
 status=0
 "$glint" calibrate --cell "$out/cell_board.toml" --twin "$ready" --board "$here/board.toml" \
   --target_px "${TARGET_PX:-0.3}" "${hand_eye[@]}" --out "$out/calibrate" --move || status=$?

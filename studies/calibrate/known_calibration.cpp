@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/calibrate/known_calibration.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -43,6 +45,14 @@ PinholeIntrinsics intrinsics_of(const Json& json) {
   return intrinsics;
 }
 
+LensMask free_terms(const Json& names) {
+  LensMask is_free = {};
+  for (std::size_t i = 0; i < kLensSize; ++i) {
+    is_free[i] = std::ranges::find(names, Json(std::string(kLensNames[i]))) != names.end();
+  }
+  return is_free;
+}
+
 /// The keys of a board's file alone: beside them stands what the calibration says of it.
 Board board_of(const Json& json, const std::string& file) {
   Json keys = Json::object();
@@ -74,6 +84,7 @@ Eigen::MatrixXd covariance_of(const Json& json) {
 KnownCalibration calibration_of(const Json& json, const fs::path& file) {
   KnownCalibration known{.file = file,
                          .intrinsics = intrinsics_of(json.at("intrinsics")),
+                         .is_free = free_terms(json.at("intrinsics").at("free")),
                          .board = board_of(json.at("board"), file.string()),
                          .rms_px = json.at("rms_px").get<double>()};
   known.given_board = known.board;

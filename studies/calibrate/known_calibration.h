@@ -10,6 +10,7 @@
 
 #include "hardware/board/board.h"
 #include "hardware/calibration/bundle.h"
+#include "hardware/calibration/lens_vector.h"
 #include "hardware/calibration/pose_chain.h"
 #include "simulator/camera/pinhole_camera.h"
 
@@ -18,6 +19,7 @@ namespace glint {
 struct KnownCalibration {
   std::filesystem::path file;
   PinholeIntrinsics intrinsics;
+  LensMask is_free = {};  ///< which intrinsics were estimated
   Board board;
   Board given_board;  ///< as its file had it: squares before they were measured, a missing mark
   std::optional<Mounting> mounting;  ///< with poses

@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -16,6 +17,7 @@
 #include "core/csv.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/median.h"
 #include "core/units.h"
 #include "hardware/calibration/rotation.h"
 #include "hardware/poses/camera_file.h"
@@ -71,10 +73,7 @@ struct Rig {
     if (!known) {
       return board_from_camera;
     }
-    const HandEye& poses = known->poses;
-    return *known->mounting == Mounting::kEyeInHand
-               ? poses.board * board_from_camera * poses.hand_eye.inverse()
-               : poses.hand_eye * board_from_camera.inverse() * poses.board.inverse();
+    return flange_that_sees(*known->mounting, known->poses, board_from_camera.inverse());
   }
 };
 
@@ -112,10 +111,49 @@ Rig rig_of(const PosePlanOptions& options) {
   return rig;
 }
 
-PosePlan planned(const Rig& rig, const PlanSettings& settings, int count) {
+/// To the depths at which pictures have the board, a tenth more: there it is sharp. Their medians,
+/// so that further pictures do not lead further away.
+void keep_sharp(PlanRequest& request) {
+  constexpr double kMore = 0.1;
+  std::vector<double> nearest;
+  std::vector<double> farthest;
+  for (const Isometry3d& board_from_camera : request.taken) {
+    const Isometry3d seen = board_from_camera.inverse();
+    std::vector<double> depths;
+    for (const Eigen::Vector3d& point : request.board_mm) {
+      depths.push_back((seen * point).z());
+    }
+    nearest.push_back(std::ranges::min(depths));
+    farthest.push_back(std::ranges::max(depths));
+  }
+  if (request.near_mm == 0.0) {
+    request.near_mm = (1.0 - kMore) * median(nearest);
+  }
+  if (request.far_mm == 0.0) {
+    request.far_mm = (1.0 + kMore) * median(farthest);
+  }
+}
+
+/// Adds to what the calibration's pictures tell.
+void add_taken(const KnownCalibration& known,
+               const PosePlanOptions& options,
+               PlanRequest& request) {
+  for (const Isometry3d& pose : options.taken) {
+    request.taken.push_back(camera_from_board(*known.mounting, known.poses, pose).inverse());
+  }
+  keep_sharp(request);
+  request.is_free = known.is_free;
+  request.noise = known.noise;
+  request.mounting = *known.mounting;
+  request.poses = known.poses;
+  request.aim_mm = options.aim_mm;
+  request.aim_rad = options.aim_deg * kRadPerDeg;
+}
+
+PosePlan planned(const Rig& rig, const PlanSettings& settings, const PosePlanOptions& options) {
   PlanRequest request{.camera = rig.camera,
                       .board_mm = corners_mm(rig.board),
-                      .count = count,
+                      .count = options.count,
                       .near_mm = settings.near_mm,
                       .far_mm = settings.far_mm,
                       .sharp_near_mm = rig.sharp_near_mm,
@@ -130,6 +168,9 @@ PosePlan planned(const Rig& rig, const PlanSettings& settings, int count) {
     for (const int row : {-1, rig.board.rows}) {
       request.outline_mm.push_back(corner_mm(rig.board, col, row));
     }
+  }
+  if (rig.known && !options.taken.empty()) {
+    add_taken(*rig.known, options, request);
   }
   return settings.method == PlanMethod::kInformation ? informative_poses(request)
                                                      : strided_poses(request);
@@ -176,6 +217,16 @@ Json plan_json(const Rig& rig, const PosePlan& plan, const PlanSettings& setting
             {"center_px", {sigma[2], sigma[3]}},
             {"hand_eye_deg", plan.hand_eye_rad * kDegPerRad},
             {"hand_eye_mm", plan.hand_eye_mm}}}};
+}
+
+/// What the hand-eye is known to before the first pose and with each.
+void add_foretold(const PosePlan& plan, Json& json) {
+  const auto told = [](const HandEyeSigma& sigma) {
+    return Json{{"hand_eye_deg", sigma.rad * kDegPerRad}, {"hand_eye_mm", sigma.mm}};
+  };
+  json["before"] = told(plan.before);
+  json["after"] = Json::array();
+  std::ranges::transform(plan.after, std::back_inserter(json["after"]), told);
 }
 
 /// Numbers of a pose: place in mm, rotation vector in rad.
@@ -256,7 +307,11 @@ Json plan_poses(const PosePlanOptions& options) {
   check_result_folder(out, ResultKind::kPlan, kPlanFiles);
   check_inputs_kept(std::array{options.board, options.camera}, out, kPlanFiles);
   const Rig rig = rig_of(options);
-  Json plan = plan_json(rig, planned(rig, settings, options.count), settings);
+  const PosePlan poses = planned(rig, settings, options);
+  Json plan = plan_json(rig, poses, settings);
+  if (!poses.after.empty()) {
+    add_foretold(poses, plan);
+  }
   ResultWriter writer(out, ResultKind::kPlan);
   write_file(writer.path() / "poses.csv", poses_csv(plan));
   write_file(writer.path() / "poses.toml", poses_toml(plan));

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/config/keys.h"
@@ -36,6 +37,11 @@ struct PosePlanOptions {
   std::filesystem::path camera;
   std::filesystem::path out;   ///< empty: out/<name of the camera's file>/plan
   std::vector<KeyValue> sets;  ///< "plan.key=value"
+  /// base_from_flange of pictures that a calibration with poses has: the plan adds to what they
+  /// tell, with the calibration's errors and unknowns, and keeps to depths a tenth beyond theirs.
+  std::vector<Eigen::Isometry3d> taken;
+  double aim_mm = 0.0;  ///< what the hand-eye is to be known to; 0: not asked for
+  double aim_deg = 0.0;
 };
 
 /// Writes poses.csv, poses.toml, plan.json and run.json. Poses are base_from_flange where the

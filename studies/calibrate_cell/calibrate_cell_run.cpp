@@ -28,6 +28,7 @@ using calibrate_cell_detail::calibrated_cell;
 using calibrate_cell_detail::ended_round;
 using calibrate_cell_detail::keep_poses;
 using calibrate_cell_detail::kept_poses;
+using calibrate_cell_detail::missed_by;
 using calibrate_cell_detail::reached_poses;
 using calibrate_cell_detail::ReachedPoses;
 using calibrate_cell_detail::RoundErrors;
@@ -133,9 +134,13 @@ class CellCalibration {
                        {"hand_eye_sigma_mm", errors.hand_eye_mm},
                        {"hand_eye_sigma_deg", errors.hand_eye_deg},
                        {"prediction_rms_px", calibration["prediction_rms_px"]}});
-    const double missed = calibrate_cell_detail::missed_by(errors, options_.targets);
+    take_accepted(calibration);
+    const double missed = missed_by(errors, options_.targets);
+    const auto promised = [&] {
+      return missed_by(promised_errors(round + 1, errors), options_.targets);
+    };
     const std::string status = calibrate_cell_detail::status_after_round(
-        round, missed, std::exchange(missed_, missed), options_.targets.max_rounds);
+        round, missed, std::exchange(missed_, missed), options_.targets.max_rounds, promised);
     return !status.empty() || seek_poses(round + 1) ? status : "no_pose_reached";
   }
 
@@ -160,6 +165,7 @@ class CellCalibration {
       write_file(file, read_file(acquired.folder / picture.file));
       pictures_.push_back(file);
       poses_ += calibrate_cell_detail::pose_toml(name, picture.base_from_flange);
+      base_from_flange_.push_back(picture.base_from_flange);
     }
     write_file(folder_ / "poses.toml", calibrate_cell_detail::pose_convention_toml() + poses_);
   }
@@ -173,6 +179,35 @@ class CellCalibration {
                                .threads = options_.threads});
   }
 
+  /// The poses of the pictures that the calibration rests on.
+  void take_accepted(const Json& calibration) {
+    accepted_.clear();
+    for (std::size_t i = 0; i < base_from_flange_.size(); ++i) {
+      if (calibration["pictures"][i]["accepted"].get<bool>()) {
+        accepted_.push_back(base_from_flange_[i]);
+      }
+    }
+  }
+
+  bool is_hand_eye_asked() const {
+    return options_.targets.hand_eye_mm > 0.0 || options_.targets.hand_eye_deg > 0.0;
+  }
+
+  /// What a round's poses make of the errors now; of the point error nothing is foretold.
+  RoundErrors promised_errors(int round, RoundErrors errors) const {
+    const Json plan = is_hand_eye_asked() ? plan_of(round) : Json();
+    if (!plan.contains("after")) {
+      return errors;
+    }
+    const Json& after = plan.at("after").at(static_cast<std::size_t>(options_.poses_a_round) - 1);
+    const auto share = [&](const char* name) {
+      return after.at(name).get<double>() / plan.at("before").at(name).get<double>();
+    };
+    errors.hand_eye_mm *= share("hand_eye_mm");
+    errors.hand_eye_deg *= share("hand_eye_deg");
+    return errors;
+  }
+
   /// A plan that is there already holds: an earlier call made it.
   Json plan_of(int round) const {
     const fs::path folder = plan_folder(round);
@@ -182,7 +217,10 @@ class CellCalibration {
     return plan_poses({.count = kPlannedForOne * options_.poses_a_round,
                        .board = options_.board,
                        .camera = folder_ / "calibration",
-                       .out = folder});
+                       .out = folder,
+                       .taken = is_hand_eye_asked() ? accepted_ : std::vector<Eigen::Isometry3d>(),
+                       .aim_mm = options_.targets.hand_eye_mm,
+                       .aim_deg = options_.targets.hand_eye_deg});
   }
 
   /// What the calibration asks for, as far as the arm gets there without touching anything.
@@ -268,6 +306,8 @@ class CellCalibration {
   std::optional<ViewPlan> plan_;                   ///< of these; none: by their joints
   std::vector<fs::path> pictures_;
   std::string poses_;
+  std::vector<Eigen::Isometry3d> base_from_flange_;  ///< of pictures_
+  std::vector<Eigen::Isometry3d> accepted_;          ///< of those that the calibration rests on
   Json rounds_ = Json::array();
   double missed_ = 0.0;           ///< missed_by() after the last round
   Json refused_ = Json::array();  ///< poses that the last plan passed over

@@ -8,6 +8,7 @@ namespace glint::calibrate_cell_detail {
 namespace {
 
 constexpr double kWorthIt = 0.9;  ///< of the error before: less is worth another round
+constexpr double kHelps = 0.97;   ///< of the error now: poses that promise less help
 
 double share_of(double error, double target) {
   return target > 0.0 ? error / target : 0.0;
@@ -21,13 +22,17 @@ double missed_by(const RoundErrors& errors, const RoundTargets& targets) {
                    share_of(errors.hand_eye_deg, targets.hand_eye_deg)});
 }
 
-std::string status_after_round(int round, double missed, double before, int max_rounds) {
+std::string status_after_round(int round,
+                               double missed,
+                               double before,
+                               int max_rounds,
+                               const std::function<double()>& promised) {
   if (missed <= 1.0) {
     return "good";
   }
   const double left = missed / before;
   const bool is_reached = left < 1.0 && missed * std::pow(left, max_rounds - round) <= 1.0;
-  if (round > 1 && left > kWorthIt && !is_reached) {
+  if (round > 1 && left > kWorthIt && !is_reached && promised() > kHelps * missed) {
     return "no_pose_helps";
   }
   return round >= max_rounds ? "most_rounds" : "";

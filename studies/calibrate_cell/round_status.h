@@ -3,6 +3,7 @@
 // What a calibration by rounds aims at, and whether it goes on after one of them.
 #pragma once
 
+#include <functional>
 #include <string>
 
 namespace glint::calibrate_cell_detail {
@@ -28,8 +29,15 @@ double missed_by(const RoundErrors& errors, const RoundTargets& targets);
 /// @param round   counted from 1
 /// @param missed  missed_by() after it
 /// @param before  the same after the round before it
+/// @param promised  tells what missed_by() the poses of the next round promise; asked only where
+///                  pictures have hardly helped
 /// @return "good", "no_pose_helps" (better by less than a tenth, which would not do in all rounds
-///         that are left either), "most_rounds"; empty: another round is to follow
-std::string status_after_round(int round, double missed, double before, int max_rounds);
+///         that are left either, and the next poses promise hardly anything), "most_rounds"; empty:
+///         another round is to follow
+std::string status_after_round(int round,
+                               double missed,
+                               double before,
+                               int max_rounds,
+                               const std::function<double()>& promised);
 
 }  // namespace glint::calibrate_cell_detail

@@ -390,6 +390,9 @@ class Search {
     }
     result.trade_off = trade_off(
         goal, memory_.trials, memory_.reference, is_expected ? result.expected : Expectations{});
+    if (result.trade_off->trials.empty()) {  // what meets the limits was not told before the end
+      result.trade_off = trade_off(goal, memory_.trials, memory_.reference);
+    }
     const TradeOff& found = *result.trade_off;
     if (!found.trials.empty()) {
       result.best = trial(found.trials[found.chosen]);

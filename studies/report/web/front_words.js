@@ -43,7 +43,7 @@ export function logTicks(low, high) {
 /** How the page speaks of a front: of what evaluations have shown, or of what the search's model expects of them. */
 export function frontWords(front) {
   return front.is_expected
-    ? { unbeaten: 'that no other one is expected to beat in everything, where the search\u2019s model of all evaluations expects them', rest: 'the other evaluations, as they were seen', beaten: 'expected to be beaten', history: ' Each evaluation counts by what the model expects of it in the end.', band: 'the model\u2019s standard deviations make of it' }
+    ? { unbeaten: 'that no other one is expected to beat in everything, where the search\u2019s model of all evaluations expects them', rest: 'the other evaluations, as they were seen', beaten: 'not on the expected front', history: ' Each evaluation counts by what the model expects of it in the end.', band: 'the model\u2019s standard deviations make of it' }
     : { unbeaten: 'that no other one beats in everything', rest: 'evaluations that one of them beats in everything', beaten: 'beaten in everything', history: '', band: 'the scores\u2019 own errors make of it' };
 }
 

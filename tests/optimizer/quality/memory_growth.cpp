@@ -23,7 +23,10 @@ double status_mb(const std::string& field) {
 }  // namespace
 
 MemoryGrowth::MemoryGrowth() {
-  std::ofstream("/proc/self/clear_refs") << "5";  // the largest resident set is the present one
+  std::ofstream reset("/proc/self/clear_refs");
+  if (!(reset << "5" << std::flush)) {  // makes the largest resident set the present one
+    throw Error("/proc/self/clear_refs: cannot be written, so no growth of memory can be told");
+  }
   start_mb_ = status_mb("VmRSS");
 }
 

@@ -91,6 +91,7 @@ TEST(NoiseRules, AfterALuckyEvaluationTheModelIsAskedOnlyWhereItMayHaveComeToExp
 TEST(NoiseRules, ASearchThatIsCutUpReachesItsTargetWhereAWholeOneDoes) {
   const TemporaryFolder whole;
   const SearchResult expected = search_for(whole, 4.9, 0.3, 10, kSearchRules);
+  ASSERT_EQ(expected.termination, Termination::kTarget);
   const TemporaryFolder cut;
   SearchResult result;
   do {
@@ -223,6 +224,30 @@ TEST(ExpectedFront, ARunByRules6IsGoneOnWithAndReportedByWhatWasSeen) {
   for (std::size_t k = 0; k < now.size(); ++k) {
     EXPECT_EQ(earlier[k].point, now[k].point);
   }
+}
+
+/// The only design within the limit is evaluated last, in a batch that the budget cuts: the model
+/// is not told of it.
+TEST(ExpectedFront, IsOfWhatWasSeenWhereNothingIsExpectedOfWhatMeetsTheLimits) {
+  const SearchTask task = {
+      .space = test::box(2, 0, 1),
+      .settings = {.algorithm = "gp", .batch = 4, .is_noisy = true},
+      .goal = {.objective = {.name = "f1", .is_maximised = false, .reference = 2.0},
+               .constraints = {{.name = "late", .min = 0.5}},
+               .more_objectives = {{.name = "f2", .is_maximised = false, .reference = 2.0}}},
+      .budget = {.evaluations = 21}};
+  const TemporaryFolder folder;
+  const SearchResult result = test::search_into(folder, task, [](const Point& p, int trial) {
+    return Outcome{.scores = {{"f1", p[0]},
+                              {"f2", 1.0 - p[0]},
+                              {"f1.error", 0.02},
+                              {"f2.error", 0.02},
+                              {"late", trial == 21 ? 1.0 : 0.0}}};
+  });
+  ASSERT_TRUE(result.best);
+  EXPECT_EQ(result.best->number, 21);
+  EXPECT_FALSE(result.trade_off->is_expected);
+  EXPECT_EQ(result.trade_off->trials, (std::vector<int>{21}));
 }
 
 /// Also where scores tell errors, of which models make expectations.

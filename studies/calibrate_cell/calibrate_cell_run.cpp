@@ -26,12 +26,16 @@ namespace {
 
 using calibrate_cell_detail::calibrated_cell;
 using calibrate_cell_detail::ended_round;
+using calibrate_cell_detail::is_hand_eye_worst;
 using calibrate_cell_detail::keep_poses;
 using calibrate_cell_detail::kept_poses;
 using calibrate_cell_detail::missed_by;
+using calibrate_cell_detail::promise_of;
 using calibrate_cell_detail::reached_poses;
 using calibrate_cell_detail::ReachedPoses;
 using calibrate_cell_detail::RoundErrors;
+using calibrate_cell_detail::RoundTargets;
+using calibrate_cell_detail::status_after_round;
 using calibrate_cell_detail::WantedPose;
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
@@ -135,13 +139,22 @@ class CellCalibration {
                        {"hand_eye_sigma_deg", errors.hand_eye_deg},
                        {"prediction_rms_px", calibration["prediction_rms_px"]}});
     take_accepted(calibration);
-    const double missed = missed_by(errors, options_.targets);
-    const auto promised = [&] {
-      return missed_by(promised_errors(round + 1, errors), options_.targets);
-    };
-    const std::string status = calibrate_cell_detail::status_after_round(
-        round, missed, std::exchange(missed_, missed), options_.targets.max_rounds, promised);
+    const std::string status = status_of(round, errors);
     return !status.empty() || seek_poses(round + 1) ? status : "no_pose_reached";
+  }
+
+  /// What the errors after a round mean. @return empty: another round is to follow
+  std::string status_of(int round, const RoundErrors& errors) {
+    const RoundTargets& targets = options_.targets;
+    const double missed = missed_by(errors, targets);
+    const bool was_aimed = std::exchange(is_aimed_, is_hand_eye_worst(errors, targets));
+    const auto promised = [&] {
+      return promise_of(was_aimed, is_aimed_, missed, [&] {
+        return missed_by(promised_errors(round + 1, errors), targets);
+      });
+    };
+    return status_after_round(
+        round, missed, std::exchange(missed_, missed), targets.max_rounds, promised);
   }
 
   Json acquire(int round) const {
@@ -195,7 +208,7 @@ class CellCalibration {
 
   /// What a round's poses make of the errors now; of the point error nothing is foretold.
   RoundErrors promised_errors(int round, RoundErrors errors) const {
-    const Json plan = is_hand_eye_asked() ? plan_of(round) : Json();
+    const Json plan = plan_of(round);
     if (!plan.contains("after")) {
       return errors;
     }
@@ -219,8 +232,8 @@ class CellCalibration {
                        .camera = folder_ / "calibration",
                        .out = folder,
                        .taken = is_hand_eye_asked() ? accepted_ : std::vector<Eigen::Isometry3d>(),
-                       .aim_mm = options_.targets.hand_eye_mm,
-                       .aim_deg = options_.targets.hand_eye_deg});
+                       .aim_mm = is_aimed_ ? options_.targets.hand_eye_mm : 0.0,
+                       .aim_deg = is_aimed_ ? options_.targets.hand_eye_deg : 0.0});
   }
 
   /// What the calibration asks for, as far as the arm gets there without touching anything.
@@ -310,6 +323,7 @@ class CellCalibration {
   std::vector<Eigen::Isometry3d> accepted_;          ///< of those that the calibration rests on
   Json rounds_ = Json::array();
   double missed_ = 0.0;           ///< missed_by() after the last round
+  bool is_aimed_ = false;         ///< the next poses are chosen for the hand-eye
   Json refused_ = Json::array();  ///< poses that the last plan passed over
   Json end_;                      ///< of an acquisition that was stopped
 };

@@ -14,12 +14,29 @@ double share_of(double error, double target) {
   return target > 0.0 ? error / target : 0.0;
 }
 
+double hand_eye_missed_by(const RoundErrors& errors, const RoundTargets& targets) {
+  return std::max(share_of(errors.hand_eye_mm, targets.hand_eye_mm),
+                  share_of(errors.hand_eye_deg, targets.hand_eye_deg));
+}
+
 }  // namespace
 
 double missed_by(const RoundErrors& errors, const RoundTargets& targets) {
-  return std::max({share_of(errors.point_px, targets.point_px),
-                   share_of(errors.hand_eye_mm, targets.hand_eye_mm),
-                   share_of(errors.hand_eye_deg, targets.hand_eye_deg)});
+  return std::max(share_of(errors.point_px, targets.point_px), hand_eye_missed_by(errors, targets));
+}
+
+bool is_hand_eye_worst(const RoundErrors& errors, const RoundTargets& targets) {
+  return hand_eye_missed_by(errors, targets) > share_of(errors.point_px, targets.point_px);
+}
+
+double promise_of(bool was_for_hand_eye,
+                  bool is_for_hand_eye,
+                  double missed,
+                  const std::function<double()>& planned) {
+  if (is_for_hand_eye) {
+    return planned();
+  }
+  return was_for_hand_eye ? 0.0 : missed;
 }
 
 std::string status_after_round(int round,

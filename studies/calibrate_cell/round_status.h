@@ -26,13 +26,29 @@ struct RoundErrors {
 /// The largest of the errors in units of what is asked for; at most 1: good enough.
 double missed_by(const RoundErrors& errors, const RoundTargets& targets);
 
+/// Whether a target of the hand-eye is missed by more than that of the point error: then the next
+/// poses are chosen for the hand-eye, else for all unknowns alike.
+bool is_hand_eye_worst(const RoundErrors& errors, const RoundTargets& targets);
+
+/// What missed_by() the next poses promise.
+/// @param was_for_hand_eye  whether the poses of the last round were chosen for the hand-eye
+/// @param is_for_hand_eye   whether those of the next one are
+/// @param missed   missed_by() now
+/// @param planned  tells it from a plan for the hand-eye
+/// @return `missed` for poses that are chosen for the point error, of which no plan tells; 0 where
+///         no pictures of such poses have been tried yet
+double promise_of(bool was_for_hand_eye,
+                  bool is_for_hand_eye,
+                  double missed,
+                  const std::function<double()>& planned);
+
 /// @param round   counted from 1
 /// @param missed  missed_by() after it
 /// @param before  the same after the round before it
 /// @param promised  tells what missed_by() the poses of the next round promise; asked only where
-///                  pictures have hardly helped
-/// @return "good", "no_pose_helps" (better by less than a tenth, which would not do in all rounds
-///         that are left either, and the next poses promise hardly anything), "most_rounds"; empty:
+///                  pictures have hardly helped and a round is left
+/// @return "good", "most_rounds", "no_pose_helps" (better by less than a tenth, which would not do
+///         in all rounds that are left either, and the next poses promise hardly anything); empty:
 ///         another round is to follow
 std::string status_after_round(int round,
                                double missed,

@@ -41,5 +41,23 @@ TEST(RoundStatus, GoesOnWhilePosesPromiseMore) {
   EXPECT_EQ(status(8, 1.4), "most_rounds") << "poses would help";
 }
 
+// Pictures for the hand-eye tell nothing of what others would make of the point error.
+TEST(RoundStatus, PosesForThePointErrorAreTriedBeforeItEnds) {
+  const RoundTargets targets = {.point_px = 0.1, .hand_eye_mm = 1.0};
+  const RoundErrors by_point = {.point_px = 0.3, .hand_eye_mm = 0.5};
+  EXPECT_FALSE(is_hand_eye_worst(by_point, targets));
+  EXPECT_TRUE(is_hand_eye_worst({.point_px = 0.3, .hand_eye_mm = 4.0}, targets));
+  EXPECT_FALSE(is_hand_eye_worst({.point_px = 0.01, .hand_eye_mm = 4.0}, {})) << "not asked for";
+  const auto status = [](bool was_for_hand_eye, bool is_for_hand_eye) {
+    return status_after_round(3, 1.5, 1.6, 8, [&] {
+      return promise_of(was_for_hand_eye, is_for_hand_eye, 1.5, [] { return 1.49; });
+    });
+  };
+  EXPECT_EQ(status(true, false), "");
+  EXPECT_EQ(status(false, false), "no_pose_helps");
+  EXPECT_EQ(status(true, true), "no_pose_helps");
+  EXPECT_DOUBLE_EQ(promise_of(false, true, 1.5, [] { return 1.2; }), 1.2) << "as the plan has it";
+}
+
 }  // namespace
 }  // namespace glint::calibrate_cell_detail

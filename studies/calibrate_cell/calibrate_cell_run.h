@@ -36,9 +36,10 @@ std::filesystem::path calibration_folder(const AcquireOptions& acquire);
 /// Poses that are asked for are taken as `glint plan` takes views; where one is refused, the next
 /// best takes its place.
 /// @return {"status", "ok", "rounds": [...], "refused": [...], "calibration"}; status "good",
-///         "no_pose_helps" (the last round made it better by less than a tenth), "most_rounds" (all
-///         were used), "no_pose_reached" (each pose that was asked for is refused), "no_picture"
-///         (all pictures of the last round were rejected), "stopped"
+///         "no_pose_helps" (status_after_round(): pictures have hardly helped, and the next poses
+///         promise hardly anything), "most_rounds" (all were used), "no_pose_reached" (each pose
+///         that was asked for is refused), "no_picture" (all pictures of the last round were
+///         rejected), "stopped"
 /// @throws ConfigError, IoError; what has been taken stays, and the same call goes on with it. Not
 ///         with a round that has not ended where something stands in its way by now, or an earlier
 ///         program chose its paths: ConfigError says what to remove

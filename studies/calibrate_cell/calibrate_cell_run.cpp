@@ -206,9 +206,15 @@ class CellCalibration {
     return options_.targets.hand_eye_mm > 0.0 || options_.targets.hand_eye_deg > 0.0;
   }
 
-  /// What a round's poses make of the errors now; of the point error nothing is foretold.
+  /// What a round's poses make of the errors now; nothing where none can be planned. Of the point
+  /// error nothing is foretold.
   RoundErrors promised_errors(int round, RoundErrors errors) const {
-    const Json plan = plan_of(round);
+    Json plan;
+    try {
+      plan = plan_of(round);
+    } catch (const ConfigError&) {
+      return errors;  // the calibration that there is stands
+    }
     if (!plan.contains("after")) {
       return errors;
     }

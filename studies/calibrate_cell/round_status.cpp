@@ -47,12 +47,15 @@ std::string status_after_round(int round,
   if (missed <= 1.0) {
     return "good";
   }
+  if (round >= max_rounds) {
+    return "most_rounds";
+  }
   const double left = missed / before;
   const bool is_reached = left < 1.0 && missed * std::pow(left, max_rounds - round) <= 1.0;
   if (round > 1 && left > kWorthIt && !is_reached && promised() > kHelps * missed) {
     return "no_pose_helps";
   }
-  return round >= max_rounds ? "most_rounds" : "";
+  return "";
 }
 
 }  // namespace glint::calibrate_cell_detail

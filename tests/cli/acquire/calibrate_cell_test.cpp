@@ -63,10 +63,10 @@ void expect_right_status(const json& told) {
   std::string status = "no_pose_reached";
   if (error_px(count - 1) <= 0.3) {
     status = "good";
-  } else if (count > 1 && error_px(count - 1) > 0.9 * error_px(count - 2)) {
-    status = "no_pose_helps";
   } else if (count == 4) {
     status = "most_rounds";
+  } else if (count > 1 && error_px(count - 1) > 0.9 * error_px(count - 2)) {
+    status = "no_pose_helps";
   }
   EXPECT_EQ(told["status"], status) << told["rounds"];
   EXPECT_EQ(told["ok"], status == "good");

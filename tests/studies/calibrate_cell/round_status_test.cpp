@@ -41,6 +41,14 @@ TEST(RoundStatus, GoesOnWhilePosesPromiseMore) {
   EXPECT_EQ(status(8, 1.4), "most_rounds") << "poses would help";
 }
 
+TEST(RoundStatus, NothingIsPlannedAfterTheLastRound) {
+  const auto plan = [] {
+    ADD_FAILURE() << "a round that never follows was planned";
+    return 1.5;
+  };
+  EXPECT_EQ(status_after_round(8, 1.5, 1.6, 8, plan), "most_rounds");
+}
+
 // Pictures for the hand-eye tell nothing of what others would make of the point error.
 TEST(RoundStatus, PosesForThePointErrorAreTriedBeforeItEnds) {
   const RoundTargets targets = {.point_px = 0.1, .hand_eye_mm = 1.0};

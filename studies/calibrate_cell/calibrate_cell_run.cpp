@@ -192,9 +192,10 @@ class CellCalibration {
                                .threads = options_.threads});
   }
 
-  /// The poses of the pictures that the calibration rests on.
+  /// The poses of the pictures that the calibration rests on; a plan of others no longer counts.
   void take_accepted(const Json& calibration) {
     accepted_.clear();
+    next_plan_ = nullptr;
     for (std::size_t i = 0; i < base_from_flange_.size(); ++i) {
       if (calibration["pictures"][i]["accepted"].get<bool>()) {
         accepted_.push_back(base_from_flange_[i]);
@@ -208,7 +209,7 @@ class CellCalibration {
 
   /// What a round's poses make of the errors now; nothing where none can be planned. Of the point
   /// error nothing is foretold.
-  RoundErrors promised_errors(int round, RoundErrors errors) const {
+  RoundErrors promised_errors(int round, RoundErrors errors) {
     Json plan;
     try {
       plan = plan_of(round);
@@ -227,24 +228,37 @@ class CellCalibration {
     return errors;
   }
 
-  /// A plan that is there already holds: an earlier call made it.
-  Json plan_of(int round) const {
-    const fs::path folder = plan_folder(round);
-    if (fs::exists(folder / "plan.json")) {
-      return Json::parse(read_file(folder / "plan.json"), nullptr, false);
+  /// Whether the poses of a plan have been chosen for a round that was begun: any other may be for
+  /// other targets, or add to pictures that have been taken anew.
+  bool is_plan_in_use(int round) const {
+    return fs::exists(plan_folder(round) / "plan.json") &&
+           (fs::exists(kept_file(round)) || ended_round(round_folder(round)));
+  }
+
+  /// Of the round that follows the one that was calibrated last.
+  const Json& plan_of(int round) {
+    if (!next_plan_.is_null()) {
+      return next_plan_;
     }
-    return plan_poses({.count = kPlannedForOne * options_.poses_a_round,
-                       .board = options_.board,
-                       .camera = folder_ / "calibration",
-                       .out = folder,
-                       .taken = is_hand_eye_asked() ? accepted_ : std::vector<Eigen::Isometry3d>(),
-                       .aim_mm = is_aimed_ ? options_.targets.hand_eye_mm : 0.0,
-                       .aim_deg = is_aimed_ ? options_.targets.hand_eye_deg : 0.0});
+    const fs::path folder = plan_folder(round);
+    if (is_plan_in_use(round)) {
+      next_plan_ = Json::parse(read_file(folder / "plan.json"), nullptr, false);
+      return next_plan_;
+    }
+    next_plan_ =
+        plan_poses({.count = kPlannedForOne * options_.poses_a_round,
+                    .board = options_.board,
+                    .camera = folder_ / "calibration",
+                    .out = folder,
+                    .taken = is_hand_eye_asked() ? accepted_ : std::vector<Eigen::Isometry3d>(),
+                    .aim_mm = is_aimed_ ? options_.targets.hand_eye_mm : 0.0,
+                    .aim_deg = is_aimed_ ? options_.targets.hand_eye_deg : 0.0});
+    return next_plan_;
   }
 
   /// What the calibration asks for, as far as the arm gets there without touching anything.
-  ReachedPoses planned_poses(int round) const {
-    const Json plan = plan_of(round);
+  ReachedPoses planned_poses(int round) {
+    const Json& plan = plan_of(round);
     std::vector<WantedPose> wanted;
     for (const Json& pose : plan.at("poses")) {
       wanted.push_back(
@@ -280,7 +294,7 @@ class CellCalibration {
   }
 
   /// Those that the round was begun with, else new ones, which are kept for a later call.
-  ReachedPoses poses_of(int round) const {
+  ReachedPoses poses_of(int round) {
     const fs::path kept = kept_file(round);
     if (fs::exists(kept)) {
       ReachedPoses poses = kept_poses(kept);
@@ -330,6 +344,7 @@ class CellCalibration {
   Json rounds_ = Json::array();
   double missed_ = 0.0;           ///< missed_by() after the last round
   bool is_aimed_ = false;         ///< the next poses are chosen for the hand-eye
+  Json next_plan_;                ///< of the next round; null: not needed so far
   Json refused_ = Json::array();  ///< poses that the last plan passed over
   Json end_;                      ///< of an acquisition that was stopped
 };

@@ -111,11 +111,15 @@ Rig rig_of(const PosePlanOptions& options) {
   return rig;
 }
 
-/// To the depths at which pictures have the board, a tenth more: there it is sharp. Their medians,
-/// so that further pictures do not lead further away.
+/// To the depths at which pictures have the board, a tenth more: there it is sharp; and as far as
+/// the outline reaches from its middle when it is tilted most. Medians, so that further pictures do
+/// not lead further away.
 void keep_sharp(PlanRequest& request) {
   constexpr double kMore = 0.1;
+  const Eigen::Vector3d diagonal_mm = request.outline_mm.back() - request.outline_mm.front();
+  const Eigen::Vector3d middle_mm = request.outline_mm.front() + 0.5 * diagonal_mm;
   std::vector<double> nearest;
+  std::vector<double> middles;
   std::vector<double> farthest;
   for (const Isometry3d& board_from_camera : request.taken) {
     const Isometry3d seen = board_from_camera.inverse();
@@ -124,13 +128,16 @@ void keep_sharp(PlanRequest& request) {
       depths.push_back((seen * point).z());
     }
     nearest.push_back(std::ranges::min(depths));
+    middles.push_back((seen * middle_mm).z());
     farthest.push_back(std::ranges::max(depths));
   }
+  const double tilted_mm = 0.5 * diagonal_mm.norm() * std::sin(request.tilt_max_rad);
+  const double middle = median(middles);
   if (request.near_mm == 0.0) {
-    request.near_mm = (1.0 - kMore) * median(nearest);
+    request.near_mm = std::min((1.0 - kMore) * median(nearest), middle - tilted_mm);
   }
   if (request.far_mm == 0.0) {
-    request.far_mm = (1.0 + kMore) * median(farthest);
+    request.far_mm = std::max((1.0 + kMore) * median(farthest), middle + tilted_mm);
   }
 }
 

@@ -38,7 +38,8 @@ struct PosePlanOptions {
   std::filesystem::path out;   ///< empty: out/<name of the camera's file>/plan
   std::vector<KeyValue> sets;  ///< "plan.key=value"
   /// base_from_flange of pictures that a calibration with poses has: the plan adds to what they
-  /// tell, with the calibration's errors and unknowns, and keeps to depths a tenth beyond theirs.
+  /// tell, with the calibration's errors and unknowns, and keeps to depths a tenth beyond theirs,
+  /// or as far as the largest tilt takes the board's corners.
   std::vector<Eigen::Isometry3d> taken;
   double aim_mm = 0.0;  ///< what the hand-eye is to be known to; 0: not asked for
   double aim_deg = 0.0;

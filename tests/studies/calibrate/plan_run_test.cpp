@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/calibrate/plan_run.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -59,6 +61,38 @@ TEST(PlanRun, AddsToPicturesAtTheirDepths) {
   ASSERT_EQ(plan["after"].size(), 6U);
   EXPECT_LT(plan["after"][0]["hand_eye_deg"], plan["before"]["hand_eye_deg"]);
   EXPECT_LT(plan["after"][5]["hand_eye_deg"], plan["after"][0]["hand_eye_deg"]);
+}
+
+/// As tilted_poses(), square-on from 40 mm.
+std::vector<Eigen::Isometry3d> square_poses() {
+  std::vector<Eigen::Isometry3d> poses;
+  for (int turn = 0; turn < 6; ++turn) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translate(Eigen::Vector3d(14.85, 11.55, 0.0));
+    pose.rotate(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
+    pose.rotate(Eigen::AngleAxisd(0.1 * turn, Eigen::Vector3d::UnitZ()));
+    pose.translate(Eigen::Vector3d(0.0, 0.0, -40.0));
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+// A tenth of 40 mm is less than a tilt by 20 degrees takes the board's corners.
+TEST(PlanRun, TiltsTheBoardBesidePicturesThatAreSquareOn) {
+  const TemporaryFolder folder;
+  std::string wide = kCalibration;
+  wide.replace(wide.find("[3600, 3600]"), 12, "[800, 800]");
+  write_file(folder / "calibration.json", wide);
+  const auto plan = plan_poses({.count = 6,
+                                .camera = folder / "calibration.json",
+                                .out = folder / "out",
+                                .taken = square_poses(),
+                                .aim_deg = 0.012});
+  double most_deg = 0.0;
+  for (const auto& pose : plan["poses"]) {
+    most_deg = std::max(most_deg, pose["tilt_deg"].get<double>());
+  }
+  EXPECT_GT(most_deg, 19.0) << plan["poses"];
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ namespace glint {
 namespace {
 
 using calibrate_cell_detail::calibrated_cell;
+using calibrate_cell_detail::check_board;
 using calibrate_cell_detail::ended_round;
 using calibrate_cell_detail::is_hand_eye_worst;
 using calibrate_cell_detail::keep_poses;
@@ -88,6 +89,7 @@ class CellCalibration {
           cell_.views.size()));
     }
     folder_ = calibration_folder(options.acquire);
+    check_board(folder_, options.board);
   }
 
   Json run() {

@@ -7,10 +7,12 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "hardware/board/board.h"
 #include "studies/acquire/acquire_plan.h"
 #include "studies/acquire/journal.h"
 #include "studies/acquire/light_difference.h"
 #include "studies/acquire/picture_grounds.h"
+#include "studies/calibrate/known_calibration.h"
 #include "studies/cell/cell_file.h"
 #include "studies/cell/pose_numbers.h"
 
@@ -55,7 +57,41 @@ void check_round(const AcquireOptions& options) {
   }
 }
 
+std::string board_text(const Board& board) {
+  std::string text = fmt::format("{} x {} corners and squares of {} mm, a {}",
+                                 board.cols,
+                                 board.rows,
+                                 board.square_mm,
+                                 board.kind == BoardKind::kCharuco ? "ChArUco" : "checkerboard");
+  if (board.kind == BoardKind::kCharuco) {
+    text += fmt::format(" with markers of {0} mm and {1}x{1}",
+                        marker_side_mm(board),
+                        4 + static_cast<int>(board.dictionary));
+  }
+  return text;
+}
+
 }  // namespace
+
+void check_board(const std::filesystem::path& folder, const std::filesystem::path& board) {
+  const std::filesystem::path calibration = folder / "calibration";
+  if (!std::filesystem::exists(folder / "round_1") ||
+      !std::filesystem::exists(calibration / "calibration.json")) {
+    return;
+  }
+  const std::string there = board_text(read_calibration(calibration).given_board);
+  const std::string now = board_text(read_board(board));
+  if (there != now) {
+    throw ConfigError(fmt::format(
+        "{}: holds rounds of a board of {}, {} has {}; remove this folder, and the same command "
+        "takes them anew, or only {} where the board is the same and its file was put right",
+        folder.string(),
+        there,
+        board.string(),
+        now,
+        calibration.string()));
+  }
+}
 
 Json acquire_round(const AcquireOptions& options,
                    MountedPrototypes& prototypes,

@@ -28,6 +28,12 @@ nlohmann::ordered_json acquire_round(const AcquireOptions& options,
                                      MountedPrototypes& prototypes,
                                      const MotionPermit& permit);
 
+/// Rounds of a folder are of the board that their calibration tells; without one all holds.
+/// @param folder  of the whole calibration
+/// @param board   board.toml or board.json
+/// @throws ConfigError where these differ, which tells what to remove; IoError
+void check_board(const std::filesystem::path& folder, const std::filesystem::path& board);
+
 /// How the numbers of pose_toml() are meant.
 std::string pose_convention_toml();
 

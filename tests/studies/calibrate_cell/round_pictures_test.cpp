@@ -31,6 +31,15 @@ TEST(EndedRound, HasAtLeastOneAcceptedPicture) {
   EXPECT_FALSE(has_ended("{"));
 }
 
+/// Its squares were measured, its file had 3.3 mm.
+constexpr const char* kCalibration = R"({
+  "intrinsics": {"width_px": 1224, "height_px": 1025, "focal_px": [3600, 3600],
+                 "center_px": [612, 512], "radial": [0, 0, 0], "tangential": [0, 0], "free": []},
+  "board": {"kind": "checkerboard", "cols": 12, "rows": 10, "square_mm": 3.31,
+            "given_square_mm": 3.3, "mark": false},
+  "hand_eye": null, "rms_px": 0.08, "prediction_rms_px": null, "covariance": []
+})";
+
 constexpr const char* kCameraCell = R"([camera]
 address = "127.0.0.1"
 region_px = [0, 0, 640, 480]
@@ -64,6 +73,29 @@ TEST(EndedRound, IsByTheSameCamera) {
   write_file(options.cell, text);
   EXPECT_THAT(status,
               testing::ThrowsMessage<ConfigError>(testing::HasSubstr("BlackLevel is 0 there")));
+}
+
+// Corners of one board are not those of another: an older folder would fail without a hint.
+TEST(CheckBoard, NamesTheFolderOfAnotherBoard) {
+  const TemporaryFolder folder;
+  write_file(folder / "board.toml", "[board]\ncols = 12\nrows = 10\nsquare_mm = 3.3\n");
+  const auto check = [&] { check_board(folder / "out", folder / "board.toml"); };
+  make_folder(folder / "out/round_1");
+  EXPECT_NO_THROW(check()) << "nothing is calibrated yet";
+  make_folder(folder / "out/calibration");
+  const auto calibrated = [&](int cols) {
+    nlohmann::json json = nlohmann::json::parse(kCalibration);
+    json["board"]["cols"] = cols;
+    write_file(folder / "out/calibration/calibration.json", json.dump());
+  };
+  calibrated(12);
+  EXPECT_NO_THROW(check());
+  calibrated(11);
+  EXPECT_THAT(check,
+              testing::ThrowsMessage<ConfigError>(
+                  testing::AllOf(testing::HasSubstr("11 x 10 corners"),
+                                 testing::HasSubstr("12 x 10 corners"),
+                                 testing::HasSubstr("remove this folder"))));
 }
 
 }  // namespace

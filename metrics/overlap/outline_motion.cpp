@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Reweighted least squares of offset = normal . (shift + linear (at - middle)).
+//
+// Noise e of a located edge is in its place along the normal and, with the other sign, in its
+// offset. Where one straight side alone tells of a scale across it, that noise is all that differs
+// in the scale's column: the fit answers with a scale of -1 and the edges lie well, nothing else
+// does. So turn, scale, stretch and shear are fitted only where the edges' lever tells them.
 #include "metrics/overlap/outline_motion.h"
-#include "core/median.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "core/median.h"
 
 namespace glint {
 namespace {
@@ -15,11 +24,15 @@ namespace {
 using Eigen::Vector2d;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Eigen::MatrixXd;
 
 constexpr std::size_t kMinOffsets = 12;
 constexpr int kRounds = 12;
 constexpr double kTukey = 4.685;
-constexpr double kFaint = 1e-6;  ///< pull to zero of what no edge tells of
+constexpr double kFaint = 1e-6;       ///< pull to zero of what no edge tells of
+constexpr double kNoisePx = 0.1;      ///< of a located edge
+constexpr double kMostBiasPx = 0.05;  ///< by that noise, at the farthest edge
+constexpr double kLeastLever = 1e-3;  ///< mean square, in extents
 
 /// About what a motion is fitted.
 struct Frame {
@@ -35,19 +48,64 @@ struct Frame {
   }
 };
 
-/// One round of the robust fit. @param free  how many of the values are fitted
-Vector6 refitted(std::span<const EdgeOffset> offsets,
-                 const Frame& frame,
-                 double min_scale_px,
-                 Eigen::Index free,
-                 const Vector6& values) {
+/// What the normal equations say once these directions have been fitted (Schur complement).
+Matrix6 left_by(const MatrixXd& fitted, const Matrix6& normal) {
+  const MatrixXd seen = normal * fitted;
+  return normal - seen * (fitted.transpose() * seen).ldlt().solve(seen.transpose());
+}
+
+/// Shift, turn, scale, and stretch along two axes (shear is stretch along the diagonals), in
+/// columns of length 1.
+Matrix6 modes_of_motion() {
+  constexpr double kHalf = 0.5 * std::numbers::sqrt2;
+  Matrix6 modes = Matrix6::Zero();
+  modes.topLeftCorner<2, 2>().setIdentity();
+  modes.col(2).tail<4>() << 0.0, kHalf, -kHalf, 0.0;
+  modes.col(3).tail<4>() << kHalf, 0.0, 0.0, kHalf;
+  modes.col(4).tail<4>() << kHalf, 0.0, 0.0, -kHalf;
+  modes.col(5).tail<4>() << 0.0, kHalf, kHalf, 0.0;
+  return modes;
+}
+
+/// Directions of the values, in columns, that edges tell: the shift, and what they tell of each of
+/// the others beyond those before it.
+/// @param least  mean square of what is told, in pixels of offset to a pixel at the extent
+MatrixXd told_directions(const Matrix6& normal, double least) {
+  constexpr std::array<std::array<Eigen::Index, 2>, 3> kGroups = {{{2, 1}, {3, 1}, {4, 2}}};
+  const Matrix6 modes = modes_of_motion();
+  const double weight = normal.topLeftCorner<2, 2>().trace();
+  MatrixXd told = modes.leftCols<2>();
+  for (const auto& [first, count] : kGroups) {
+    const MatrixXd group = modes.middleCols(first, count);
+    const MatrixXd beyond = group.transpose() * left_by(told, normal) * group;
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(beyond);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      if (axes.eigenvalues()(i) >= least * weight) {
+        told.conservativeResize(Eigen::NoChange, told.cols() + 1);
+        told.rightCols<1>() = group * axes.eigenvectors().col(i);
+      }
+    }
+  }
+  return told;
+}
+
+/// Sums of a round's least squares.
+struct Sums {
+  Matrix6 normal = Matrix6::Zero();
+  Vector6 right = Vector6::Zero();
+};
+
+/// Edges weighted by what values leave of their offsets.
+Sums weighted_sums(std::span<const EdgeOffset> offsets,
+                   const Frame& frame,
+                   double min_scale_px,
+                   const Vector6& values) {
   std::vector<double> sizes;
   for (const EdgeOffset& edge : offsets) {
     sizes.push_back(std::abs(edge.offset_px - frame.row_of(edge).dot(values)));
   }
   const double reach = kTukey * std::max(1.4826 * median(sizes), min_scale_px);
-  Matrix6 normal = Matrix6::Zero();
-  Vector6 right = Vector6::Zero();
+  Sums sums;
   for (std::size_t i = 0; i < offsets.size(); ++i) {
     const double ratio = sizes[i] / reach;
     if (ratio >= 1.0) {
@@ -55,13 +113,20 @@ Vector6 refitted(std::span<const EdgeOffset> offsets,
     }
     const double weight = (1.0 - ratio * ratio) * (1.0 - ratio * ratio);
     const Vector6 row = frame.row_of(offsets[i]);
-    normal += weight * row * row.transpose();
-    right += weight * offsets[i].offset_px * row;
+    sums.normal += weight * row * row.transpose();
+    sums.right += weight * offsets[i].offset_px * row;
   }
-  normal.diagonal().array() += kFaint * std::max(normal.diagonal().maxCoeff(), 1e-12);
-  Vector6 fitted = Vector6::Zero();
-  fitted.head(free) = normal.topLeftCorner(free, free).ldlt().solve(right.head(free));
-  return fitted;
+  sums.normal.diagonal().array() += kFaint * std::max(sums.normal.diagonal().maxCoeff(), 1e-12);
+  return sums;
+}
+
+/// One round of the robust fit.
+Vector6 refitted(const Sums& sums, const Frame& frame, bool is_shift_only) {
+  const double least = std::max(kLeastLever, kNoisePx * kNoisePx / (kMostBiasPx * frame.extent_px));
+  const MatrixXd told =
+      is_shift_only ? MatrixXd(MatrixXd::Identity(6, 2)) : told_directions(sums.normal, least);
+  const MatrixXd inner = told.transpose() * sums.normal * told;
+  return told * inner.ldlt().solve(told.transpose() * sums.right);
 }
 
 }  // namespace
@@ -80,11 +145,11 @@ OutlineMotion fit_outline_motion(std::span<const EdgeOffset> offsets,
   for (const EdgeOffset& edge : offsets) {
     extent = std::max(extent, (edge.at_px - motion.middle_px).norm());
   }
-  const Eigen::Index free = is_shift_only || offsets.size() < kMinOffsets ? 2 : 6;
+  const Frame frame = {.middle_px = motion.middle_px, .extent_px = extent};
+  const bool is_shifted_only = is_shift_only || offsets.size() < kMinOffsets;
   Vector6 values = Vector6::Zero();
   for (int round = 0; round < kRounds; ++round) {
-    values = refitted(
-        offsets, {.middle_px = motion.middle_px, .extent_px = extent}, min_scale_px, free, values);
+    values = refitted(weighted_sums(offsets, frame, min_scale_px, values), frame, is_shifted_only);
   }
   motion.shift_px = values.head<2>();
   motion.linear.col(0) = values.segment<2>(2) / extent;

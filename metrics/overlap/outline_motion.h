@@ -26,7 +26,9 @@ struct OutlineMotion {
 };
 
 /// The motion that most offsets agree upon (Tukey's biweight from the median; those beyond about
-/// three robust standard deviations do not count). Fewer than 12 offsets: a shift alone.
+/// three robust standard deviations do not count). Fewer than 12 offsets: a shift alone. Turn,
+/// scale, stretch and shear stay 0 where the edges do not tell them: no scale of a part of which
+/// one corner shows, no turn of a circle.
 /// @param min_scale_px    offsets apart by less are alike, > 0
 /// @param is_shift_only   turn, scale and shear stay 0
 OutlineMotion fit_outline_motion(std::span<const EdgeOffset> offsets,

@@ -66,5 +66,53 @@ TEST(OutlineMotion, IsAShiftWhereThatIsAsked) {
   EXPECT_TRUE(fit_outline_motion({}, 0.3).shift_px.isZero());
 }
 
+/// Two sides of a part that leaves a picture to the right and below, from the corner in its middle
+/// on; edges are located with noise along their normals.
+std::vector<EdgeOffset> corner_offsets(double size_px, const Vector2d& shift_px, Rng& rng) {
+  constexpr double kNoise = 0.1;
+  const double middle = 0.5 * size_px;
+  std::vector<EdgeOffset> offsets;
+  for (double along = 0.5; along < middle; along += 1.0) {
+    for (const bool is_upright : {false, true}) {
+      const Vector2d normal = is_upright ? Vector2d(-1.0, 0.0) : Vector2d(0.0, -1.0);
+      const Vector2d from_corner = is_upright ? Vector2d(0.0, along) : Vector2d(along, 0.0);
+      const double own = kNoise * rng.normal();
+      offsets.push_back({.at_px = Vector2d(middle, middle) + from_corner + own * normal,
+                         .normal = normal,
+                         .offset_px = normal.dot(shift_px) - own + kNoise * rng.normal()});
+    }
+  }
+  return offsets;
+}
+
+// Noise is all that differs across one side: it is no scale, by which the rest of the part would
+// lie elsewhere.
+TEST(OutlineMotion, HasNoScaleOfACorner) {
+  const Vector2d shift_px(2.0, 2.0);
+  for (const double size_px : {120.0, 600.0}) {
+    const Vector2d far_px(0.85 * size_px, 0.85 * size_px);
+    for (std::uint64_t i = 0; i < 20; ++i) {
+      Rng rng(2, Stream::kTest, i);
+      const OutlineMotion found = fit_outline_motion(corner_offsets(size_px, shift_px, rng), 0.5);
+      ASSERT_LT((found.moved(far_px) - far_px - shift_px).norm(), 0.3) << size_px << " " << i;
+    }
+  }
+}
+
+// No turn of a circle, but its scale and its stretch.
+TEST(OutlineMotion, HasTheScaleOfACircle) {
+  OutlineMotion motion = {.shift_px = {1.0, 0.5}};
+  motion.linear << 0.03, 0.0, 0.0, -0.01;
+  std::vector<EdgeOffset> offsets;
+  for (int i = 0; i < 400; ++i) {
+    const double angle = 2.0 * kPi * i / 400.0;
+    const Vector2d normal(std::cos(angle), std::sin(angle));
+    offsets.push_back({.at_px = 100.0 * normal,
+                       .normal = normal,
+                       .offset_px = normal.dot(motion.moved(100.0 * normal) - 100.0 * normal)});
+  }
+  EXPECT_LT((fit_outline_motion(offsets, 0.3).linear - motion.linear).norm(), 1e-4);
+}
+
 }  // namespace
 }  // namespace glint

@@ -27,6 +27,7 @@ constexpr double kFits = 0.6;
 constexpr double kInsideBetter = 0.25;     ///< of correlations within the part
 constexpr double kSameOutline = 0.02;      ///< by which its overlap may be less than as it is
 constexpr std::ptrdiff_t kInsidePx = 200;  ///< of the small pictures that tell anything
+constexpr double kNoMatch = -1.0;          ///< a correlation that every other one beats
 constexpr int kLittleTurns = 24;           ///< each way, of so much: up to 12 degrees
 constexpr double kLittleTurn_rad = 0.5 * kRadPerDeg;
 
@@ -156,7 +157,7 @@ ImageF laid_over(const ImageF& second, const PartMiddles& middles, double turn_r
 /// @param match  of the motion that is a turn by some angle
 template <class Match>
 double best_little_turned(const Match& match) {
-  double best = 0.0;
+  double best = kNoMatch;
   for (int step = -kLittleTurns; step <= kLittleTurns; ++step) {
     best = std::max(best, match(step * kLittleTurn_rad));
   }
@@ -181,7 +182,7 @@ double moved_correlation(const ImageF& first, const ImageF& second) {
   return middles ? best_little_turned([&](double turn_rad) {
     return correlation_of(first, laid_over(second, *middles, turn_rad));
   })
-                 : 0.0;
+                 : kNoMatch;
 }
 
 /// The same of what is on the parts.
@@ -196,7 +197,7 @@ double moved_correlation(const SmallPart& first, const SmallPart& second) {
     });
     return inside_match(first, moved).correlation;
   })
-                 : 0.0;
+                 : kNoMatch;
 }
 
 /// Only where it beats the picture moved a little, too: that is looked at last, as it takes

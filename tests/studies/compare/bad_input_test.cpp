@@ -189,6 +189,26 @@ TEST_F(BadInput, AMirroredOrTurnedPartWithASymmetricOutlineIsToldByItsInside) {
   EXPECT_EQ(compare(simulated, turned).better_turn->name, "turned by 180 degrees");
 }
 
+/// A disc with upright waves 80 px long that a mirror image has the other way around.
+ImageF waved_disc(double amplitude, std::uint64_t index) {
+  ImageF picture = drawn(200, 160, [=](double x, double y) {
+    const double u = x - 100.0;
+    const double share = 0.5 * std::erfc((std::hypot(u, y - 80.0) - 60.0) / (std::sqrt(2.0) * 0.6));
+    return 0.01 + share * (0.5 + amplitude * std::sin(std::numbers::pi * u / 40.0));
+  });
+  add_normal_noise(picture, 0.004, index);
+  return picture;
+}
+
+// As it is, and turned by at most 12 degrees, bright lies on dark: that is less than nothing alike.
+TEST_F(BadInput, APartThatIsLessAlikeThanNothingSaysSo) {
+  const ComparedPair pair =
+      compare(write("simulated.png", waved_disc(0.1, 1)), write("real.png", waved_disc(-0.1, 2)));
+  ASSERT_TRUE(pair.better_turn.has_value());
+  EXPECT_TRUE(pair.better_turn->is_inside);
+  EXPECT_LT(pair.better_turn->correlation_as_is, -0.5);
+}
+
 // Light from the other side mirrors nothing, nor does a part that looks alike both ways.
 TEST_F(BadInput, OtherLightOnASymmetricPartIsNoMirrorImage) {
   const auto simulated = write("disc.png", marked_disc(0.002, 1));

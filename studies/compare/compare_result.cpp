@@ -130,7 +130,7 @@ Json regions_json(const std::vector<RegionAppearance>& regions) {
 }
 
 Json seen_json(const SeenDefect& seen) {
-  Json json = {{"found", seen.is_found}};
+  Json json = {{"found", seen.is_beyond_picture ? Json(nullptr) : Json(seen.is_found)}};
   json["found_as"] = seen.is_found ? Json(seen.found_as) : Json(nullptr);
   json["contrast"] = seen.contrast ? Json{{"value", seen.contrast->value},
                                           {"low", seen.contrast->low},

@@ -118,10 +118,11 @@ double value_under(const Picture& picture, const Affine2d& to_picture, int x, in
              : 0.0;
 }
 
-/// Pixels of one side that are wholly on the part there and on the other side; empty where there is
-/// no silhouette.
+/// Pixels of one side that are wholly on the part there and on the other side; empty where these
+/// are too few, or there is no silhouette.
 Mask pixels_on_both(const ImageF& own, const ImageF& other, const Affine2d& to_other) {
   constexpr double kWholly = 0.999;
+  constexpr std::ptrdiff_t kFewestPixels = 100;
   Mask region(own.width(), own.height());
   for (int y = 0; y < own.height(); ++y) {
     for (int x = 0; x < own.width(); ++x) {
@@ -130,7 +131,7 @@ Mask pixels_on_both(const ImageF& own, const ImageF& other, const Affine2d& to_o
       region(x, y) = is_on ? 1 : 0;
     }
   }
-  return region;
+  return std::ranges::count(region.values(), 1) >= kFewestPixels ? region : Mask();
 }
 
 /// What is inspected of a side, in its own pixels.
@@ -170,6 +171,10 @@ InspectedPlace real_place(const ComparedPair& pair,
   return place;
 }
 
+bool is_in_picture(const ComparedPicture& picture, const Eigen::Vector2d& at) {
+  return at.x() >= 0.0 && at.y() >= 0.0 && at.x() < picture.width() && at.y() < picture.height();
+}
+
 InspectedSide side_of(const ComparedPicture& picture,
                       const CompareSource& simulated,
                       const InspectedPlace& place,
@@ -183,10 +188,12 @@ InspectedSide side_of(const ComparedPicture& picture,
   const std::vector<FoundDefect>& blobs = part.inspection.defects;
   const DetectionMatches matches = match_detections(blobs, place.known, settings.trials);
   InspectedSide side = {.found = matches.found(), .false_alarms = matches.false_alarms()};
-  side.missed = static_cast<int>(place.known.size()) - side.found;
   for (std::size_t i = 0; i < place.known.size(); ++i) {
     const int blob = matches.blob_of_defect[i];
-    SeenDefect seen = {.is_found = blob >= 0};
+    SeenDefect seen = {
+        .is_found = blob >= 0,
+        .is_beyond_picture = blob < 0 && !is_in_picture(picture, place.known[i].middle_px())};
+    side.missed += seen.is_found || seen.is_beyond_picture ? 0 : 1;
     if (blob >= 0) {
       seen.found_as = kind_name(blobs[static_cast<std::size_t>(blob)].kind);
     }
@@ -245,6 +252,16 @@ void note_moved(const MovedPlace& moved, const Affine2d& to_real, InspectedPair&
   }
 }
 
+void note_beyond_picture(InspectedPair& result) {
+  const auto count = std::ranges::count_if(result.real.defects, &SeenDefect::is_beyond_picture);
+  if (count > 0) {
+    result.notes.push_back(fmt::format(
+        "So moved, {} of {} defects lie outside the photograph: they do not count as missed there.",
+        count,
+        result.known.size()));
+  }
+}
+
 InspectionSettings rules_of_scene(const std::filesystem::path& scene,
                                   std::vector<std::string>& notes) {
   InspectionSettings settings = read_inspection_rules(InspectionSettings{}, scene, {}, {}).settings;
@@ -276,6 +293,7 @@ std::optional<InspectedPair> inspect_pair(const ComparedPair& pair, ThreadPool& 
   if (motion) {
     result.moved = moved_place(pair, *motion);
     note_moved(*result.moved, to_real, result);
+    note_beyond_picture(result);
   } else {
     note_unmoved(pair, result);
   }

@@ -19,6 +19,7 @@ namespace glint {
 /// A defect as one side shows it.
 struct SeenDefect {
   bool is_found = false;
+  bool is_beyond_picture = false;    ///< not found: its middle lies outside the picture
   std::string found_as;              ///< "hole" or "scratch"; empty: missed
   std::optional<Estimate> contrast;  ///< defect_contrast()
 };

@@ -159,7 +159,8 @@ function inspectionTable(pair) {
   if (!inspection) return null;
   const contrast = (seen) => (seen.contrast ? `${(100 * seen.contrast.value).toFixed(1)} % (${(100 * seen.contrast.low).toFixed(1)} to ${(100 * seen.contrast.high).toFixed(1)})` : '\u2013');
   const sides = ['simulated', 'real'];
-  const row = (defect) => h('tr', {}, h('td', {}, defect.label), sides.map((side) => h('td', { class: 'number' }, defect[side].found ? defect[side].found_as : 'missed')), sides.map((side) => h('td', { class: 'number' }, contrast(defect[side]))));
+  const unfound = (side) => (side.found === null ? 'outside the picture' : 'missed');
+  const row = (defect) => h('tr', {}, h('td', {}, defect.label), sides.map((side) => h('td', { class: 'number' }, defect[side].found_as ?? unfound(defect[side]))), sides.map((side) => h('td', { class: 'number' }, contrast(defect[side]))));
   const total = (side) => `${inspection[side].found} found, ${inspection[side].missed} missed, ${inspection[side].false_alarms} false alarms`;
   return h('div', {}, h('h4', {}, 'Inspection of both'), h('p', { class: 'lead' }, `Simulated: ${total('simulated')}. Photograph: ${total('real')}.`),
     inspection.notes.length > 0 && h('ul', { class: 'notes' }, inspection.notes.map((note) => h('li', {}, note))),

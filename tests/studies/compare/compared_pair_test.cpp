@@ -7,9 +7,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/file.h"
+#include "core/thread_pool.h"
 #include "studies/compare/causes.h"
 #include "studies/compare/compare_page.h"
+#include "studies/compare/compare_result.h"
 #include "studies/compare/grab_cut.h"
+#include "studies/compare/inspected_pair.h"
 #include "tests/studies/compare/compare_fixture.h"
 
 namespace glint {
@@ -237,6 +241,59 @@ TEST_F(ComparePairTest, TakesNoInnerEdgesOfTheOtherSign) {
       compare(squares(0.0), squares(std::numbers::pi / 0.16), {.outline = OutlineChoice::kInner});
   EXPECT_EQ(pair.geometry.distance.points, 0U);
   EXPECT_THAT(pair.geometry.outlines.notes, ::testing::Contains(::testing::HasSubstr(" 0 %")));
+}
+
+class KnownDentTest : public CompareFiles {
+ protected:
+  /// A blade whose simulated side knows a dent of radius 5 px, 40 px left of the picture's middle.
+  ComparedPair compared() const {
+    write_file(folder() / "scene.toml",
+               "[camera]\nwidth_px = 200\nheight_px = 160\nobject_pixel_mm = 0.1\n"
+               "working_distance_mm = 500\n");
+    write_file(folder() / "defects.json",
+               R"({"schema": 1, "defects": [{"id": 0, "label": "dent_1", "kind": "dent",
+                   "centre_mm": [-4, 0, 0], "area_px": 78.5}]})");
+    ImageF mask = drawn_blade({.noise = 0.0});
+    for (float& grey : mask.values()) {
+      grey = grey > 0.25F ? 1.0F : 0.0F;
+    }
+    return compare_pair(
+        {.simulated = {.name = "s",
+                       .picture = write("s.png", drawn_blade()),
+                       .mask = write("part_mask.png", mask),
+                       .scene = folder() / "scene.toml",
+                       .truth = folder() / "defects.json"},
+         .real = {.name = "r", .picture = write("r.png", drawn_blade({.index = 1}))}},
+        {});
+  }
+
+  ThreadPool pool_{1};
+};
+
+TEST_F(KnownDentTest, IsNotMissedOutsideThePhotograph) {
+  ComparedPair pair = compared();
+  pair.geometry.outlines.motion = OutlineMotion{.shift_px = {-75.0, 0.0}};
+  pair.geometry.outlines.shown = 1.0;
+  const auto inspected = inspect_pair(pair, pool_);
+  ASSERT_TRUE(inspected.has_value());
+  EXPECT_EQ(inspected->simulated.found + inspected->simulated.missed, 1);
+  EXPECT_EQ(inspected->real.found, 0);
+  EXPECT_EQ(inspected->real.missed, 0);
+  EXPECT_THAT(inspected->notes,
+              ::testing::Contains(::testing::HasSubstr("1 of 1 defects lie outside")));
+  EXPECT_TRUE(inspection_json(*inspected)["defects"][0]["real"]["found"].is_null());
+}
+
+// Without pixels on both parts contrasts are those of all pixels.
+TEST_F(KnownDentTest, HasContrastsWhereThePartsDoNotOverlap) {
+  ComparedPair pair = compared();
+  pair.better_turn = BetterTurn{.name = "turned by 180 degrees"};  // so nothing is moved
+  pair.geometry.outlines.real.coverage = ImageF(200, 160);
+  const auto inspected = inspect_pair(pair, pool_);
+  ASSERT_TRUE(inspected.has_value());
+  EXPECT_FALSE(inspected->moved.has_value());
+  EXPECT_TRUE(inspected->simulated.defects[0].contrast.has_value());
+  EXPECT_TRUE(inspected->real.defects[0].contrast.has_value());
 }
 
 TEST(GrabCut, HasNoAnswerWithoutABackground) {

@@ -29,10 +29,10 @@ using Eigen::MatrixXd;
 constexpr std::size_t kMinOffsets = 12;
 constexpr int kRounds = 12;
 constexpr double kTukey = 4.685;
-constexpr double kFaint = 1e-6;       ///< pull to zero of what no edge tells of
-constexpr double kNoisePx = 0.1;      ///< of a located edge
-constexpr double kMostBiasPx = 0.05;  ///< by that noise, at the farthest edge
-constexpr double kLeastLever = 1e-3;  ///< mean square, in extents
+constexpr double kFaint = 1e-6;      ///< pull to zero of what no edge tells of
+constexpr double kNoisePx = 0.1;     ///< of a located edge
+constexpr double kMaxBiasPx = 0.05;  ///< by that noise, at the farthest edge
+constexpr double kMinLever = 1e-3;   ///< mean square, in extents
 
 /// About what a motion is fitted.
 struct Frame {
@@ -122,7 +122,7 @@ Sums weighted_sums(std::span<const EdgeOffset> offsets,
 
 /// One round of the robust fit.
 Vector6 refitted(const Sums& sums, const Frame& frame, bool is_shift_only) {
-  const double least = std::max(kLeastLever, kNoisePx * kNoisePx / (kMostBiasPx * frame.extent_px));
+  const double least = std::max(kMinLever, kNoisePx * kNoisePx / (kMaxBiasPx * frame.extent_px));
   const MatrixXd told =
       is_shift_only ? MatrixXd(MatrixXd::Identity(6, 2)) : told_directions(sums.normal, least);
   const MatrixXd inner = told.transpose() * sums.normal * told;

@@ -186,7 +186,7 @@ TEST(AcquireJournal, LosesAndDoublesNothingWhenItIsKilled) {
       keep_all(folder / "");
     }
     // The patience grows: how long a picture takes is the disk's business.
-    const double longest_s = 0.004 * std::pow(1.15, kills);
+    const double longest_s = 0.0005 * std::pow(1.15, kills);
     std::this_thread::sleep_for(std::chrono::duration<double>(random.uniform(0.0, longest_s)));
     ::kill(child, SIGKILL);
     int status = 0;

@@ -177,6 +177,19 @@ std::string turns_sentence(const Json& pairs) {
              : fmt::format("{} of {} real pictures seem to be {}. ", count, pairs.size(), name);
 }
 
+/// " (or shift_x, which cannot be told from it)", or nothing.
+std::string group_text(const Json& cause) {
+  std::vector<std::string> others;
+  for (const Json& name : cause.value("group", Json::array())) {
+    if (name != cause["name"]) {
+      others.push_back(name.get<std::string>());
+    }
+  }
+  return others.empty()
+             ? ""
+             : fmt::format(" (or {}, which cannot be told from it)", fmt::join(others, ", "));
+}
+
 /// Of a single pair: "; explained by k1 = 0.0194 +- 0.0004, gain = 1.2".
 std::string causes_sentence(const Json& pairs) {
   if (pairs.size() != 1 || pairs[0]["causes"].empty()) {
@@ -185,12 +198,13 @@ std::string causes_sentence(const Json& pairs) {
   std::string text;
   for (const Json& cause : pairs[0]["causes"]) {
     const std::string unit = cause["unit"].get<std::string>();
-    text += fmt::format("{}{} = {:.3g}{} +- {:.1g}",
+    text += fmt::format("{}{} = {:.3g}{} +- {:.1g}{}",
                         text.empty() ? "; explained by " : ", ",
                         cause["name"].get<std::string>(),
                         cause["value"].get<double>(),
                         unit.empty() ? "" : " " + unit,
-                        cause["sigma"].get<double>());
+                        cause["sigma"].get<double>(),
+                        group_text(cause));
   }
   return text;
 }

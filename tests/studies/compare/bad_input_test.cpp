@@ -169,6 +169,18 @@ ImageF marked_disc(double slope, std::uint64_t index, double mark = 0.25) {
   return picture;
 }
 
+TEST_F(BadInput, TheVerdictNamesWhatACauseCannotBeToldFrom) {
+  const auto picture = write("disc.png", marked_disc(0.0, 1));
+  const ComparedPair pair = compare(picture, picture);
+  auto pairs = nlohmann::ordered_json::array({pair_json(pair, find_causes(pair))});
+  pairs[0]["causes"] = nlohmann::ordered_json::parse(
+      R"([{"name": "centre_x", "value": 12.2, "unit": "px", "sigma": 0.01, "share": 0.7,
+           "group": ["centre_x", "shift_x"]}])");
+  EXPECT_THAT(compare_verdict(pairs, std::nullopt),
+              HasSubstr("explained by centre_x = 12.2 px +- 0.01 (or shift_x, which cannot be told "
+                        "from it)."));
+}
+
 TEST_F(BadInput, AMirroredOrTurnedPartWithASymmetricOutlineIsToldByItsInside) {
   const auto simulated = write("disc.png", marked_disc(0.0, 1));
   const auto real = write("mirrored.png", mirrored_in_x(marked_disc(0.001, 2)));

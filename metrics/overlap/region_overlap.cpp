@@ -48,4 +48,18 @@ RegionOverlap overlap_of(const ImageF& first, const ImageF& second) {
   return overlap_by(first, second, [](float share) { return static_cast<double>(share); });
 }
 
+Mask pixels_on_both(const ImageF& own, const ImageF& other, const Eigen::Affine2d& to_other) {
+  constexpr double kWholly = 0.999;
+  constexpr std::ptrdiff_t kFewestPixels = 100;
+  Mask region(own.width(), own.height());
+  for (int y = 0; y < own.height(); ++y) {
+    for (int x = 0; x < own.width(); ++x) {
+      const bool is_on = static_cast<double>(own(x, y)) >= kWholly &&
+                         value_under(other, to_other, x, y) >= kWholly;
+      region(x, y) = is_on ? 1 : 0;
+    }
+  }
+  return std::ranges::count(region.values(), 1) >= kFewestPixels ? region : Mask();
+}
+
 }  // namespace glint

@@ -83,17 +83,6 @@ PairGeometry geometry_of(const ComparedPicture& simulated,
   return geometry;
 }
 
-/// Pixels wholly on the part in both pictures; all where there is no silhouette.
-Mask common_region(const PairGeometry& geometry) {
-  const ImageF& a = geometry.outlines.simulated.coverage;
-  const ImageF& b = geometry.outlines.real.coverage;
-  Mask region(a.width(), a.height());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    region.values()[i] = a.values()[i] >= 0.999F && b.values()[i] >= 0.999F ? 1 : 0;
-  }
-  return std::ranges::count(region.values(), 1) >= 100 ? region : Mask();
-}
-
 Mask eroded(const Mask& mask, int radius) {
   Mask outside = mask;
   for (unsigned char& pixel : outside.values()) {
@@ -316,9 +305,9 @@ ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
                                 result.real,
                                 pair.real_mask.empty() ? options.real_mask : pair.real_mask,
                                 options);
-  const std::vector<std::string>& notes = result.geometry.outlines.notes;
-  result.notes.insert(result.notes.end(), notes.begin(), notes.end());
-  result.region = common_region(result.geometry);
+  const OutlinePair& outlines = result.geometry.outlines;
+  result.notes.insert(result.notes.end(), outlines.notes.begin(), outlines.notes.end());
+  result.region = pixels_on_both(outlines.simulated.coverage, outlines.real.coverage);
   result.appearance = appearance_of(result, options);
   result.regions = regions_of(result);
   return result;

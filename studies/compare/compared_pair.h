@@ -74,7 +74,7 @@ struct ComparedPair {
   PairGeometry geometry;
   PairAppearance appearance;
   ImageF exposed;                         ///< the simulated picture in the real one's exposure
-  Mask region;                            ///< where grey values are compared
+  Mask region;                            ///< where grey values are compared; empty: everywhere
   ImageF similarity;                      ///< ssim_map()
   ImageF gradient_similarity;             ///< gradient_similarity_map()
   std::vector<RegionAppearance> regions;  ///< those with at least 100 pixels

@@ -10,6 +10,7 @@
 
 #include "core/units.h"
 #include "metrics/overlap/outline_motion.h"
+#include "metrics/overlap/region_overlap.h"
 #include "studies/inspect/defect_contrast.h"
 #include "studies/inspect/inspect_rules.h"
 #include "studies/inspect/inspected_part.h"
@@ -104,34 +105,6 @@ MovedPlace moved_place(const ComparedPair& pair, const OutlineMotion& motion) {
                                        outlines.real.located,
                                        edge_reach_px(pair))
                          .mean_px};
-}
-
-/// The value of a picture where a pixel of another one lies in it; 0 beyond its border.
-/// @tparam Picture  an Image
-template <class Picture>
-double value_under(const Picture& picture, const Affine2d& to_picture, int x, int y) {
-  const Eigen::Vector2d at = to_picture * Eigen::Vector2d(x + 0.5, y + 0.5);
-  const bool is_inside =
-      at.x() >= 0.0 && at.y() >= 0.0 && at.x() < picture.width() && at.y() < picture.height();
-  return is_inside
-             ? static_cast<double>(picture(static_cast<int>(at.x()), static_cast<int>(at.y())))
-             : 0.0;
-}
-
-/// Pixels of one side that are wholly on the part there and on the other side; empty where these
-/// are too few, or there is no silhouette.
-Mask pixels_on_both(const ImageF& own, const ImageF& other, const Affine2d& to_other) {
-  constexpr double kWholly = 0.999;
-  constexpr std::ptrdiff_t kFewestPixels = 100;
-  Mask region(own.width(), own.height());
-  for (int y = 0; y < own.height(); ++y) {
-    for (int x = 0; x < own.width(); ++x) {
-      const bool is_on = static_cast<double>(own(x, y)) >= kWholly &&
-                         value_under(other, to_other, x, y) >= kWholly;
-      region(x, y) = is_on ? 1 : 0;
-    }
-  }
-  return std::ranges::count(region.values(), 1) >= kFewestPixels ? region : Mask();
 }
 
 /// What is inspected of a side, in its own pixels.

@@ -140,11 +140,17 @@ Json seen_json(const SeenDefect& seen) {
 }
 
 Json moved_json(const std::optional<MovedPlace>& moved) {
-  return moved ? Json{{"shift_px", {moved->shift_px.x(), moved->shift_px.y()}},
-                      {"turn_deg", moved->turn_rad * kDegPerRad},
-                      {"scale", moved->scale},
-                      {"rest_px", moved->rest_px}}
-               : Json(nullptr);
+  if (!moved) {
+    return nullptr;
+  }
+  Json json = {{"shift_px", {moved->shift_px.x(), moved->shift_px.y()}},
+               {"turn_deg", moved->turn_rad * kDegPerRad},
+               {"scale", moved->scale},
+               {"rest_px", moved->rest_px}};
+  if (!moved->untold.isZero(0.0)) {
+    json["untold"] = {moved->untold.x(), moved->untold.y()};
+  }
+  return json;
 }
 
 /// Median of a number that each pair may have.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "core/median.h"
 #include "metrics/overlap/boundary_distance.h"
 #include "metrics/overlap/edge_location.h"
@@ -216,6 +218,17 @@ std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
       .motion = best.motion};
   return best.edges.size() >= kMinEdges && found.share >= kMinFound ? std::optional(found)
                                                                     : std::nullopt;
+}
+
+std::string untold_shift_note(const OutlineMotion& motion) {
+  if (motion.is_shift_told()) {
+    return "";
+  }
+  return fmt::format(
+      "All edges that were found run along ({:.2f}, {:.2f}): how far the real part lies along that "
+      "is not told by them, and taken as 0.",
+      motion.untold.x(),
+      motion.untold.y());
 }
 
 std::vector<PairedEdge> edges_along(const ImageF& simulated,

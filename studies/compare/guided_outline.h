@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/image/image.h"
@@ -44,6 +45,10 @@ std::optional<GuidedOutlines> guided_outlines(const ImageF& simulated,
                                               std::span<const Boundary> first,
                                               double reach_px,
                                               const Eigen::Vector2d& shift_px);
+
+/// That edges do not tell how far the part lies along the direction in which all of them run;
+/// nothing where they do.
+std::string untold_shift_note(const OutlineMotion& motion);
 
 /// An edge that both pictures have.
 struct PairedEdge {

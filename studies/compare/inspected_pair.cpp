@@ -11,6 +11,7 @@
 #include "core/units.h"
 #include "metrics/overlap/outline_motion.h"
 #include "metrics/overlap/region_overlap.h"
+#include "studies/compare/guided_outline.h"
 #include "studies/inspect/defect_contrast.h"
 #include "studies/inspect/inspect_rules.h"
 #include "studies/inspect/inspected_part.h"
@@ -104,7 +105,8 @@ MovedPlace moved_place(const ComparedPair& pair, const OutlineMotion& motion) {
           .rest_px = boundary_distance(moved_outlines(outlines.simulated.located, motion),
                                        outlines.real.located,
                                        edge_reach_px(pair))
-                         .mean_px};
+                         .mean_px,
+          .untold = motion.untold};
 }
 
 /// What is inspected of a side, in its own pixels.
@@ -225,6 +227,13 @@ void note_moved(const MovedPlace& moved, const Affine2d& to_real, InspectedPair&
   }
 }
 
+void note_untold(const OutlineMotion& motion, InspectedPair& result) {
+  if (const std::string note = compare_detail::untold_shift_note(motion); !note.empty()) {
+    result.notes.push_back(note +
+                           " The photograph's found, missed and contrasts may be of other places.");
+  }
+}
+
 void note_beyond_picture(InspectedPair& result) {
   const auto count = std::ranges::count_if(result.real.defects, &SeenDefect::is_beyond_picture);
   if (count > 0) {
@@ -266,6 +275,7 @@ std::optional<InspectedPair> inspect_pair(const ComparedPair& pair, ThreadPool& 
   if (motion) {
     result.moved = moved_place(pair, *motion);
     note_moved(*result.moved, to_real, result);
+    note_untold(*motion, result);
     note_beyond_picture(result);
   } else {
     note_unmoved(pair, result);

@@ -38,6 +38,7 @@ struct MovedPlace {
   double turn_rad = 0.0;                               ///< about that, +x to +y (down)
   double scale = 1.0;
   double rest_px = 0.0;  ///< mean distance of the edges of both sides after that
+  Eigen::Vector2d untold = Eigen::Vector2d::Zero();  ///< OutlineMotion::untold
 };
 
 struct InspectedPair {

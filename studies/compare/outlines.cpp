@@ -229,6 +229,9 @@ void guide(const ComparedPicture& simulated, const ComparedPicture& real, Outlin
   }
   found.motion = outlines->motion;
   found.shown = outlines->share;
+  if (const std::string note = compare_detail::untold_shift_note(*found.motion); !note.empty()) {
+    found.notes.push_back(note);
+  }
   const bool is_well_shown = outlines->share >= kWellShown;
   take(std::move(outlines->simulated), OutlineMethod::kTruth, is_well_shown, found.simulated);
   take(std::move(outlines->real), OutlineMethod::kGuided, is_well_shown, found.real);

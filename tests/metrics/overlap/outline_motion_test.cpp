@@ -99,6 +99,88 @@ TEST(OutlineMotion, HasNoScaleOfACorner) {
   }
 }
 
+/// Straight sides that run along `along`, 200 px long and 60 px apart, of a part moved by a shift.
+/// Normals scatter as those of a mask's steps do, and a real edge is looked for along them.
+std::vector<EdgeOffset> side_offsets(const Vector2d& along,
+                                     int sides,
+                                     const Vector2d& shift_px,
+                                     Rng& rng) {
+  const Vector2d across(-along.y(), along.x());
+  std::vector<EdgeOffset> offsets;
+  for (int side = 0; side < sides; ++side) {
+    for (int i = 0; i < 200; ++i) {
+      const double askew = 0.066 * rng.normal();
+      const Vector2d outwards = (side == 0 ? -1.0 : 1.0) * across;
+      const Vector2d normal = std::cos(askew) * outwards + std::sin(askew) * along;
+      offsets.push_back(
+          {.at_px = Vector2d(100.0, 80.0) + (i - 99.5) * along + 60.0 * side * across,
+           .normal = normal,
+           .offset_px = outwards.dot(shift_px) / std::cos(askew) + 0.1 * rng.normal()});
+    }
+  }
+  return offsets;
+}
+
+// Nothing shows how far a straight side was moved along itself: neither the noise of its edges nor
+// the scatter of its normals does.
+TEST(OutlineMotion, HasNoShiftAlongStraightSides) {
+  const Vector2d shift_px(3.0, 2.0);
+  for (const double turn : {0.0, 0.07, 0.8}) {
+    const Vector2d along(std::cos(turn), std::sin(turn));
+    const Vector2d across(-along.y(), along.x());
+    for (const int sides : {1, 2}) {
+      for (const bool is_shift_only : {false, true}) {
+        Rng rng(3, Stream::kTest, static_cast<std::uint64_t>(sides));
+        const OutlineMotion found =
+            fit_outline_motion(side_offsets(along, sides, shift_px, rng), 0.5, is_shift_only);
+        EXPECT_FALSE(found.is_shift_told());
+        EXPECT_GT(found.untold.dot(along), 0.999) << turn << " " << sides;
+        EXPECT_LT(std::abs(found.shift_px.dot(found.untold)), 1e-9) << turn << " " << sides;
+        EXPECT_NEAR(found.shift_px.dot(across), shift_px.dot(across), 0.1) << turn << " " << sides;
+      }
+    }
+  }
+}
+
+EdgeOffset shifted_edge(const Vector2d& at, const Vector2d& normal, const Vector2d& shift_px) {
+  return {.at_px = at, .normal = normal, .offset_px = normal.dot(shift_px)};
+}
+
+// The mean square of an arc's normals along its chord is (1 - sin a / a) / 2: 0.0106 of 20.5
+// degrees, 0.0057 of 15.
+TEST(OutlineMotion, HasTheShiftAlongAnArcFromTwentyDegreesOn) {
+  for (const double arc_deg : {15.0, 20.5, 60.0}) {
+    std::vector<EdgeOffset> offsets;
+    for (int i = 0; i < 300; ++i) {
+      const double angle = arc_deg * kRadPerDeg * ((i + 0.5) / 300.0 - 0.5);
+      const Vector2d normal(std::sin(angle), -std::cos(angle));
+      offsets.push_back(shifted_edge(600.0 * normal, normal, {1.0, 0.5}));
+    }
+    const OutlineMotion found = fit_outline_motion(offsets, 0.5);
+    EXPECT_EQ(found.is_shift_told(), arc_deg > 20.0) << arc_deg;
+    EXPECT_NEAR(found.shift_px.x(), arc_deg > 20.0 ? 1.0 : 0.0, 0.01) << arc_deg;
+    EXPECT_NEAR(found.shift_px.y(), 0.5, 0.01) << arc_deg;
+  }
+}
+
+// A bar of 1000 x 9 px: its ends are 18 of 2018 edges, and tell how far it was moved along.
+TEST(OutlineMotion, HasTheShiftAlongABarByItsEnds) {
+  const Vector2d shift_px(0.8, -0.6);
+  std::vector<EdgeOffset> offsets;
+  for (const double side : {-1.0, 1.0}) {
+    for (int i = 0; i < 1000; ++i) {
+      offsets.push_back(shifted_edge({i + 0.5, 4.5 * side}, {0.0, side}, shift_px));
+    }
+    for (int i = 0; i < 9; ++i) {
+      offsets.push_back(shifted_edge({500.0 + 500.0 * side, i - 4.0}, {side, 0.0}, shift_px));
+    }
+  }
+  const OutlineMotion found = fit_outline_motion(offsets, 0.5);
+  EXPECT_TRUE(found.is_shift_told());
+  EXPECT_NEAR(found.shift_px.x(), 0.8, 0.05);
+  EXPECT_NEAR(found.shift_px.y(), -0.6, 0.05);
+}
+
 // No turn of a circle, but its scale and its stretch.
 TEST(OutlineMotion, HasTheScaleOfACircle) {
   OutlineMotion motion = {.shift_px = {1.0, 0.5}};

@@ -284,6 +284,20 @@ TEST_F(KnownDentTest, IsNotMissedOutsideThePhotograph) {
   EXPECT_TRUE(inspection_json(*inspected)["defects"][0]["real"]["found"].is_null());
 }
 
+// Edges that all run one way leave open where along them the dent lies.
+TEST_F(KnownDentTest, IsNotSurelyWhereEdgesOfOneDirectionHaveIt) {
+  ComparedPair pair = compared();
+  pair.geometry.outlines.motion = OutlineMotion{.shift_px = {0.0, 1.0}};
+  pair.geometry.outlines.shown = 1.0;
+  EXPECT_FALSE(inspection_json(*inspect_pair(pair, pool_))["moved"].contains("untold"));
+  pair.geometry.outlines.motion->untold = {1.0, 0.0};
+  const auto inspected = inspect_pair(pair, pool_);
+  ASSERT_TRUE(inspected.has_value());
+  EXPECT_THAT(inspected->notes,
+              ::testing::Contains(::testing::HasSubstr("run along (1.00, 0.00)")));
+  EXPECT_EQ(inspection_json(*inspected)["moved"]["untold"][0], 1.0);
+}
+
 // Without pixels on both parts contrasts are those of all pixels.
 TEST_F(KnownDentTest, HasContrastsWhereThePartsDoNotOverlap) {
   ComparedPair pair = compared();

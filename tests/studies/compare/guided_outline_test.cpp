@@ -188,6 +188,39 @@ TEST_F(GuidedOutlineTest, IsBrokenWhereTheSimulatedPartIsDark) {
   EXPECT_LT(pair.geometry.distance.mean_px, 0.1);
 }
 
+/// A strip 60 px wide that runs through the whole picture, askew by 0.1: one way only.
+ImageF drawn_strip(double shift_y_px, std::uint64_t index) {
+  ImageF picture = drawn(200, 160, [=](double x, double y) {
+    const double across = std::cos(0.1) * (y - 80.0 - shift_y_px) - std::sin(0.1) * (x - 100.0);
+    return 0.005 + 0.25 * std::erfc((std::abs(across) - 30.0) / (std::sqrt(2.0) * 0.6));
+  });
+  add_normal_noise(picture, 0.003, index);
+  return picture;
+}
+
+// By 2 px down: across the strip that is 2 cos 0.1. How far it was moved along is nowhere to be
+// seen.
+TEST_F(GuidedOutlineTest, TellsNoShiftAlongAStripThatLeavesThePicture) {
+  const Eigen::Vector2d along(std::cos(0.1), std::sin(0.1));
+  const Eigen::Vector2d across(-along.y(), along.x());
+  ImageF mask = drawn_strip(0.0, 0);
+  for (float& share : mask.values()) {
+    share = share >= 0.25F ? 1.0F : 0.0F;
+  }
+  const ComparedPair pair =
+      compare_pair({.simulated = {.name = "s",
+                                  .picture = write("s.png", drawn_strip(0.0, 1)),
+                                  .mask = write("part_mask.png", mask)},
+                    .real = {.name = "r", .picture = write("r.png", drawn_strip(2.0, 2))}},
+                   {});
+  ASSERT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kGuided);
+  const OutlineMotion& motion = *pair.geometry.outlines.motion;
+  EXPECT_GT(motion.untold.dot(along), 0.999);
+  EXPECT_NEAR(motion.shift_px.dot(motion.untold), 0.0, 1e-9);
+  EXPECT_NEAR(motion.shift_px.dot(across), 2.0 * std::cos(0.1), 0.05);
+  EXPECT_THAT(pair.notes, ::testing::Contains(::testing::HasSubstr("is not told by them")));
+}
+
 // A part of another shape does not get the simulated one's outline.
 TEST_F(GuidedOutlineTest, TellsWhatTheRealPartLacks) {
   ImageF real = drawn_plate({.lit_to_px = 100.0, .index = 1});

@@ -49,8 +49,10 @@ int factor_of(const SceneSettings& scene) {
 using Halves = std::array<ImageF, 2>;
 
 /// Mean grey of the scene's frames, without one of the two batches.
+/// @param dark  grey of the sensor's dark signal, which the scene here has not
 ImageF grey_of(const PathPicture& picture,
                const SceneSettings& scene,
+               double dark,
                std::optional<std::size_t> without) {
   const Sensor sensor(scene.sensor, picture.sums.width_px, picture.sums.height_px);
   ScanSums sums(picture.sums.width_px, picture.sums.height_px);
@@ -61,7 +63,11 @@ ImageF grey_of(const PathPicture& picture,
         grey.values(), sums.sum.values(), sums.sum.values().begin(), std::plus<>());
     ++sums.frames;
   }
-  return sums.aspect();
+  ImageF mean = sums.aspect();
+  for (float& value : mean.values()) {
+    value += static_cast<float>(dark);
+  }
+  return mean;
 }
 
 /// real = gain base + product derivative, product = gain times the change.
@@ -84,6 +90,7 @@ class RoughnessSearch {
       : store_(store),
         factor_(factor_of(scene)),
         scene_(reduced_scene(with_equal_exposure(store, scene), factor_, kMinSamples)),
+        dark_(dark_grey(scene.sensor)),
         real_(reduce(pair.real.grey, factor_)) {}
 
   std::optional<RoughnessFit> find() {
@@ -116,10 +123,10 @@ class RoughnessSearch {
       part_ = sound_part(picture->sums, kRimPx);
     }
     if (picture->batches.empty()) {  // without noise
-      const ImageF whole = grey_of(*picture, scene, std::nullopt);
+      const ImageF whole = grey_of(*picture, scene, dark_, std::nullopt);
       return {whole, whole};
     }
-    return {grey_of(*picture, scene, 1), grey_of(*picture, scene, 0)};
+    return {grey_of(*picture, scene, dark_, 1), grey_of(*picture, scene, dark_, 0)};
   }
 
   /// Roughness that metal may have.
@@ -233,6 +240,7 @@ class RoughnessSearch {
   SceneStore& store_;
   int factor_;
   SceneSettings scene_;
+  double dark_;  ///< grey of the sensor's dark signal, under its gain
   ImageF real_;
   Mask part_;
   std::vector<std::size_t> pixels_;

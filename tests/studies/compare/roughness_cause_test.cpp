@@ -89,6 +89,25 @@ TEST(FitRoughness, FindsItInAWiderPictureByThreePicturesAtMost) {
   expect_found(700);
 }
 
+// A dark signal of 0.05 of full scale is in the photograph and no light: taken for light it would
+// make the gain too large.
+TEST(FitRoughness, KnowsTheSensorsDarkSignal) {
+  ThreadPool pool(2);
+  const auto dark_plate = [](double roughness) {
+    SceneSettings scene = metal_plate(300, roughness);
+    scene.sensor.full_well_e = 20000.0;
+    scene.sensor.dark_e = 1000.0;
+    return scene;
+  };
+  ComparedPair pair;
+  pair.real.grey = photographed(dark_plate(0.30), pool, 1.0);
+  SceneStore store(pool);
+  const auto fit = fit_roughness(pair, dark_plate(0.25), store);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->change, 0.05, std::max(0.004, 4.0 * fit->sigma));
+  EXPECT_NEAR(fit->gain, 1.0, 0.01);
+}
+
 TEST(FitRoughness, HasNoAnswerForAMirrorOrForAPictureOfAnotherSize) {
   ThreadPool pool(2);
   SceneStore store(pool);

@@ -292,7 +292,8 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
       causes.told.push_back(told(found));
     }
     note_contradiction(*causes.edges, causes.notes);
-    if (causes.notes.empty()) {
+    causes.is_pose_doubtful = !causes.notes.empty();
+    if (!causes.is_pose_doubtful) {
       causes.space_edges = std::move(matched.edges);
     }
   }
@@ -306,6 +307,13 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
 void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& causes) {
   const CompareSource& source = pair.simulated.source;
   if (source.scene.empty() || pair.appearance.correlation < kMinCorrelation) {
+    return;
+  }
+  if (pair.better_turn || causes.is_pose_doubtful) {
+    if (compare_detail::tells_roughness(load_scene(source.scene))) {
+      causes.notes.emplace_back(
+          "Roughness was not looked for: it is not sure where the part lies in the real picture.");
+    }
     return;
   }
   PairCauses but_gain = causes;

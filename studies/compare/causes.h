@@ -35,6 +35,7 @@ struct PairCauses {
   double roughness_change = 0.0;                         ///< of material.roughness
   std::optional<PinholeIntrinsics> calibrated = {};      ///< the real camera, where it is known
   std::vector<std::string> notes = {};                   ///< why none is told
+  bool is_pose_doubtful = false;                         ///< edges do not tell where the part lies
   std::vector<SpaceEdge> space_edges = {};               ///< matched; empty where they are doubtful
 };
 
@@ -57,7 +58,7 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known = {});
 
 /// Adds the roughness of the metal, and the gain beside it, where grey values tell it: renders the
 /// scene up to three times with the causes put in. Leaves all as it is where there is no such
-/// scene.
+/// scene, and but for a note where the part's pose is doubtful or the picture seems to be turned.
 /// @throws ConfigError, IoError
 void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& causes);
 

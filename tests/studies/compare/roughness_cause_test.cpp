@@ -2,6 +2,7 @@
 #include "studies/compare/roughness_cause.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -115,6 +116,27 @@ TEST(FitRoughness, HasNoAnswerForAMirrorOrForAPictureOfAnotherSize) {
   pair.real.grey = ImageF(200, 40, 0.3F);
   EXPECT_FALSE(fit_roughness(pair, metal_plate(300, 0.25), store));
   EXPECT_FALSE(fit_roughness(pair, metal_plate(200, 0.01), store));
+}
+
+// Grey values of another place of the part say nothing of its metal.
+TEST_F(CompareFiles, RoughnessIsNotSoughtWhereThePartMayLieElsewhere) {
+  write_file(folder() / "scene.toml", metal_plate_text(300, 0.25));
+  ThreadPool pool(2);
+  ComparedPair pair;
+  pair.simulated.source.scene = folder() / "scene.toml";
+  pair.simulated.source.picture = folder() / "image.tif";
+  pair.real.grey = ImageF(300, 60, 0.3F);
+  pair.appearance.correlation = 0.9;
+  for (const bool is_turned : {false, true}) {
+    SceneStore store(pool);
+    PairCauses causes = {.is_pose_doubtful = !is_turned};
+    pair.better_turn =
+        is_turned ? std::optional(BetterTurn{.name = "turned by 180 degrees"}) : std::nullopt;
+    add_roughness(pair, store, causes);
+    EXPECT_EQ(store.num_rendered(), 0);
+    ASSERT_EQ(causes.notes.size(), 1U);
+    EXPECT_NE(causes.notes[0].find("Roughness was not looked for"), std::string::npos);
+  }
 }
 
 class UnsoughtRoughness : public CompareFiles {

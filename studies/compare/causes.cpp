@@ -325,6 +325,7 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
     return;
   }
   causes.roughness_change = fit->change;
+  causes.roughness_bound = fit->bound;
   std::erase_if(causes.told, [](const ToldCause& cause) { return cause.name == "gain"; });
   causes.told.push_back({.name = "roughness",
                          .value = fit->change,

@@ -33,6 +33,7 @@ struct PairCauses {
   Eigen::Vector3d middle_mm = Eigen::Vector3d::UnitZ();  ///< turns are about it; camera frame
   double gain = 1.0;                                     ///< 1: none beyond noise
   double roughness_change = 0.0;                         ///< of material.roughness
+  double roughness_bound = 0.0;                          ///< of its sigma: RoughnessFit::bound
   std::optional<PinholeIntrinsics> calibrated = {};      ///< the real camera, where it is known
   std::vector<std::string> notes = {};                   ///< why none is told
   bool is_pose_doubtful = false;                         ///< edges do not tell where the part lies

@@ -74,13 +74,19 @@ ImageF grey_of(const PathPicture& picture,
 struct GreyFit {
   Vector2d values = Vector2d::Zero();
   Matrix2d covariance = Matrix2d::Zero();
-  double rest = 0.0;  ///< sum of squares
+  Matrix2d bound = Matrix2d::Zero();  ///< of the covariance, by the photograph's noise alone
+  double rest = 0.0;                  ///< sum of squares
 
   double change() const { return values[1] / values[0]; }
 
-  double change_sigma() const {
+  double change_sigma() const { return change_sigma(covariance); }
+
+  double change_bound() const { return change_sigma(bound); }
+
+ private:
+  double change_sigma(const Matrix2d& of_values) const {
     const Vector2d derivative(-change() / values[0], 1.0 / values[0]);
-    return std::sqrt(derivative.dot(covariance * derivative));
+    return std::sqrt(derivative.dot(of_values * derivative));
   }
 };
 
@@ -189,6 +195,7 @@ class RoughnessSearch {
     const Matrix2d inverse = products.inverse();
     GreyFit fit = {.values = inverse * right};
     fit.covariance = inverse * scatter_of(base, derivatives, fit) * inverse;
+    fit.bound = photograph_variance(base, derivatives, fit) * inverse;
     return fit.values[0] > 0.0 && std::isfinite(fit.change()) ? std::optional(fit) : std::nullopt;
   }
 
@@ -214,6 +221,20 @@ class RoughnessSearch {
     return scatter;
   }
 
+  /// Of a pixel of the photograph: what the fit leaves without the noise of the renderings.
+  double photograph_variance(const Halves& base,
+                             const Halves& derivatives,
+                             const GreyFit& fit) const {
+    double rendered = 0.0;
+    for (const std::size_t pixel : pixels_) {
+      const Vector2d apart =
+          row_of(base, derivatives, 0, pixel) - row_of(base, derivatives, 1, pixel);
+      const double noise = 0.5 * apart.dot(fit.values);
+      rendered += noise * noise;
+    }
+    return std::max(fit.rest - rendered, 0.0) / static_cast<double>(pixels_.size());
+  }
+
   RoughnessFit told(const Halves& base, const GreyFit& fit, double change) const {
     double misfit = 0.0;
     double squares = 0.0;
@@ -230,6 +251,7 @@ class RoughnessSearch {
     const double by_gain = squares * (gain - 1.0) * (gain - 1.0);
     return {.change = change,
             .sigma = fit.change_sigma(),
+            .bound = fit.change_bound(),
             .gain = fit.values[0],
             .gain_sigma = std::sqrt(fit.covariance(0, 0)),
             .share = misfit > 0.0 ? std::max(misfit - by_gain - fit.rest, 0.0) / misfit : 0.0,

@@ -16,6 +16,9 @@ namespace glint::compare_detail {
 struct RoughnessFit {
   double change = 0.0;  ///< of material.roughness
   double sigma = 0.0;   ///< by the scatter of blocks of pixels
+  /// Cramer-Rao bound of sigma, were the photograph's noise all that is not known, and independent
+  /// and alike in all reduced pixels.
+  double bound = 0.0;
   double gain = 1.0;
   double gain_sigma = 0.0;
   double share = 0.0;       ///< of the misfit of grey values, in [0, 1]

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Known changes of rendered pictures, alone and in twos, that `glint compare` names: 24 of them, or
-// as many as GLINT_COMPARE_CASES says, in pictures of the width GLINT_COMPARE_WIDTH (1224). Where
-// GLINT_COMPARE_STATE names a file, what was said of each case is kept in it, a line each, and not
-// asked again; after GLINT_COMPARE_BUDGET_S seconds no further case begins.
+// as many as GLINT_COMPARE_CASES says, in pictures of the width GLINT_COMPARE_WIDTH (1224); then 4
+// changes of roughness, or GLINT_COMPARE_ROUGH_CASES. Where GLINT_COMPARE_STATE names a file, what
+// was said of each case is kept in it, a line each, and not asked again; after
+// GLINT_COMPARE_BUDGET_S seconds no further case begins.
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -28,16 +29,33 @@ constexpr double kFilling = 0.8;  ///< distance at which the gear fills the pict
 struct DrawnCase {
   std::vector<Change> changes;
   double gain = 1.0;
+  double rougher = 0.0;  ///< change of the roughness, over it
 
-  int count() const { return static_cast<int>(changes.size()) + (gain != 1.0 ? 1 : 0); }
+  int count() const {
+    return static_cast<int>(changes.size()) + (gain != 1.0 ? 1 : 0) + (rougher != 0.0 ? 1 : 0);
+  }
 };
+
+/// 0.6 to 1.6, either way.
+double drawn_times(Rng& rng) {
+  return rng.uniform(0.6, 1.6) * (rng.uniform() < 0.5 ? -1.0 : 1.0);
+}
+
+/// @param kind  of known_changes(), or the gain
+void add_drawn(std::size_t kind, double times, DrawnCase& to) {
+  const std::vector<Change>& all = known_changes();
+  if (kind == all.size()) {
+    to.gain = 1.0 + 0.1 * times;
+  } else {
+    to.changes.push_back({.parameter = all[kind].parameter, .value = times * all[kind].value});
+  }
+}
 
 /// Alone and in twos by turns; each 0.6 to 1.6 times what is in the list, either way. Of the gain
 /// that is 6 to 16 %.
 DrawnCase drawn(int index) {
   Rng rng(77, Stream::kTest, static_cast<std::uint64_t>(index));
-  const std::vector<Change>& all = known_changes();
-  const auto count = all.size() + 1;  // the last one is the gain
+  const auto count = known_changes().size() + 1;  // the last one is the gain
   const auto first = static_cast<std::size_t>(index) % count;
   std::vector<std::size_t> kinds = {first};
   if (index % 2 == 1) {
@@ -46,19 +64,28 @@ DrawnCase drawn(int index) {
   }
   DrawnCase result;
   for (const std::size_t kind : kinds) {
-    const double times = rng.uniform(0.6, 1.6) * (rng.uniform() < 0.5 ? -1.0 : 1.0);
-    if (kind == all.size()) {
-      result.gain = 1.0 + 0.1 * times;
-    } else {
-      result.changes.push_back(
-          {.parameter = all[kind].parameter, .value = times * all[kind].value});
-    }
+    add_drawn(kind, drawn_times(rng), result);
+  }
+  return result;
+}
+
+/// Metal that is 12 to 32 % rougher or smoother, alone and beside another change by turns.
+DrawnCase drawn_roughness(int index) {
+  Rng rng(78, Stream::kTest, static_cast<std::uint64_t>(index));
+  DrawnCase result = {.rougher = 0.2 * drawn_times(rng)};
+  if (index % 2 == 1) {
+    const auto kinds = static_cast<double>(known_changes().size() + 1);
+    const auto kind = static_cast<std::size_t>(rng.uniform() * kinds);
+    add_drawn(kind, drawn_times(rng), result);
   }
   return result;
 }
 
 std::string text_of(const DrawnCase& one) {
   std::string text = one.gain != 1.0 ? fmt::format("gain {:.3f}  ", one.gain) : "";
+  if (one.rougher != 0.0) {
+    text += fmt::format("roughness x {:.3f}  ", 1.0 + one.rougher);
+  }
   for (const Change& change : one.changes) {
     text += fmt::format(
         "{} {:.4g}  ", name_of(change.parameter), told_per_inner(change.parameter) * change.value);
@@ -89,9 +116,9 @@ struct Totals {
   }
 };
 
-Json row_of(ChangedGear& gear, int index) {
-  const DrawnCase one = drawn(index);
-  const CaseVerdict verdict = gear.verdict_of(one.changes, 2 + index, one.gain);
+Json row_of(ChangedGear& gear, const DrawnCase& one, int seed) {
+  const CaseVerdict verdict =
+      gear.verdict_of(one.changes, seed, one.gain, one.rougher * gear.roughness());
   std::printf("%snamed %d others %d: %s\n",
               text_of(one).c_str(),
               verdict.named,
@@ -110,7 +137,14 @@ double slack(double count, double share, int cases) {
   return cases < 200 ? 2.0 * std::sqrt(count * share * (1.0 - share)) : 0.0;
 }
 
+Totals totals_of(std::span<const Json> rows) {
+  Totals totals;
+  std::ranges::for_each(rows, [&](const Json& row) { totals.add(row); });
+  return totals;
+}
+
 void expect_honest(Totals totals, int cases) {
+  ASSERT_FALSE(totals.over.empty());
   const auto held = static_cast<double>(
       std::ranges::count_if(totals.off, [](double z) { return std::abs(z) < 1.96; }));
   const auto told = static_cast<double>(totals.off.size());
@@ -133,26 +167,31 @@ void expect_honest(Totals totals, int cases) {
 }
 
 TEST(KnownChanges, AreNamedWithHonestSigmas) {
+  constexpr int kRoughSeed = 3002;
   const int cases = said("GLINT_COMPARE_CASES", 24);
+  const int all = cases + said("GLINT_COMPARE_ROUGH_CASES", 4);
   const int budget_s = said("GLINT_COMPARE_BUDGET_S", 0);
   const char* state = std::getenv("GLINT_COMPARE_STATE");
   const auto start = std::chrono::steady_clock::now();
   ChangedGear gear(said("GLINT_COMPARE_WIDTH", 1224), 8, "", kFilling);
   std::vector<Json> rows = state != nullptr ? kept_rows(state) : std::vector<Json>{};
-  while (static_cast<int>(rows.size()) < cases) {
+  while (static_cast<int>(rows.size()) < all) {
     if (budget_s > 0 && seconds_since(start) > budget_s) {
-      GTEST_SKIP() << rows.size() << " of " << cases << " cases are done";
+      GTEST_SKIP() << rows.size() << " of " << all << " cases are done";
     }
-    rows.push_back(row_of(gear, static_cast<int>(rows.size())));
+    const int next = static_cast<int>(rows.size());
+    rows.push_back(next < cases
+                       ? row_of(gear, drawn(next), 2 + next)
+                       : row_of(gear, drawn_roughness(next - cases), kRoughSeed + next - cases));
     if (state != nullptr) {
       std::ofstream(state, std::ios::app) << rows.back().dump() << "\n";
     }
   }
-  Totals totals;
-  std::ranges::for_each(rows, [&](const Json& row) { totals.add(row); });
   std::printf("%zu cases, %.1f s\n", rows.size(), seconds_since(start));
-  ASSERT_FALSE(totals.over.empty());
-  expect_honest(std::move(totals), cases);
+  const std::span<const Json> told(rows);
+  const auto known = static_cast<std::size_t>(cases);
+  expect_honest(totals_of(told.first(known)), cases);
+  expect_honest(totals_of(told.subspan(known, static_cast<std::size_t>(all - cases))), all - cases);
 }
 
 // The last row was cut when its run was stopped: the next one takes its place.

@@ -18,30 +18,10 @@
 #include "core/file.h"
 #include "studies/compare/causes.h"
 #include "studies/compare/refined_scene.h"
+#include "tests/cli/changes/change_list.h"
 #include "tests/cli/program.h"
 
 namespace glint::test {
-
-struct Change {
-  CauseParameter parameter;
-  double value;  ///< in inner units
-};
-
-/// Each moves edges by some tenths of a pixel of 612 in the picture's width.
-inline const std::vector<Change>& known_changes() {
-  static const std::vector<Change> changes = {{CauseParameter::kTurnX, 0.006},
-                                              {CauseParameter::kTurnY, -0.006},
-                                              {CauseParameter::kTurnZ, 0.002},
-                                              {CauseParameter::kShiftX, 0.06},
-                                              {CauseParameter::kShiftY, -0.06},
-                                              {CauseParameter::kDistance, 0.4},
-                                              {CauseParameter::kFocalLength, 2.0},
-                                              {CauseParameter::kCentreX, 0.4},
-                                              {CauseParameter::kCentreY, -0.4},
-                                              {CauseParameter::kK1, 0.05},
-                                              {CauseParameter::kP1, 0.002}};
-  return changes;
-}
 
 /// What was said of one case.
 struct CaseVerdict {
@@ -77,12 +57,15 @@ class ChangedGear {
   /// Causes between the scene and the same with the changes, which changed.toml holds.
   /// @param options  further ones of `glint compare`
   /// @param gain  of the changed picture's sensor over the scene's
+  /// @param rougher  what is added to the roughness of its metal
   nlohmann::json causes_of(std::span<const Change> changes,
                            int seed,
                            const Arguments& options = {},
-                           double gain = 1.0) {
+                           double gain = 1.0,
+                           double rougher = 0.0) {
     PairCauses causes = {.edges = CauseFit{}};
     causes.gain = gain;
+    causes.roughness_change = rougher;
     for (const Change& change : changes) {
       causes.edges->changes[static_cast<std::size_t>(change.parameter)] = change.value;
       causes.edges->causes.push_back({.parameter = change.parameter, .value = change.value});
@@ -112,9 +95,14 @@ class ChangedGear {
 
   /// The scene is rendered anew, too: one simulated picture's noise would be an error that all
   /// cases have in common.
-  CaseVerdict verdict_of(std::span<const Change> changes, int seed, double gain = 1.0) {
+  /// @param rougher  what is added to the roughness of the metal; not 0: `--roughness` is given
+  CaseVerdict verdict_of(std::span<const Change> changes,
+                         int seed,
+                         double gain = 1.0,
+                         double rougher = 0.0) {
     render("gear.toml", "base", 1000 + seed);
-    const nlohmann::json causes = causes_of(changes, seed, {}, gain);
+    const Arguments options = rougher != 0.0 ? Arguments{"--roughness"} : Arguments{};
+    const nlohmann::json causes = causes_of(changes, seed, options, gain, rougher);
     const std::vector<double> bounds = bounds_of(changes);
     const std::vector<double> open = bounds_of(with_partners(changes, causes));
     CaseVerdict verdict;
@@ -138,6 +126,7 @@ class ChangedGear {
     }
     verdict.others = std::max(0, static_cast<int>(of_edges) - verdict.named);
     add_gain(causes, gain, verdict);
+    add_roughness_of(causes, rougher, verdict);
     return verdict;
   }
 
@@ -161,6 +150,8 @@ class ChangedGear {
   }
 
  private:
+  static constexpr double kBlurPx = 0.8;  ///< of the sensor
+
   static void add_gain(const nlohmann::json& causes, double gain, CaseVerdict& verdict) {
     const nlohmann::json cause = named(causes, "gain");
     if (cause.is_null()) {
@@ -173,6 +164,19 @@ class ChangedGear {
     ++verdict.named;
     verdict.gain_off.push_back((cause["value"].get<double>() - gain) /
                                cause["sigma"].get<double>());
+  }
+
+  void add_roughness_of(const nlohmann::json& causes, double rougher, CaseVerdict& verdict) const {
+    const nlohmann::json cause = named(causes, "roughness");
+    if (cause.is_null()) {
+      return;
+    }
+    const double sigma = cause["sigma"].get<double>();
+    const double over = sigma / roughness_bound(pair_with("changed/baseline"), kBlurPx);
+    ++verdict.named;
+    verdict.off.push_back((cause["value"].get<double>() - rougher) / sigma);
+    verdict.over.push_back(over);
+    verdict.over_open.push_back(over);
   }
 
   /// And all that the causes cannot be told from.
@@ -199,7 +203,7 @@ class ChangedGear {
         "[viewpoints]\nsource = \"listed\"\n"
         "[[viewpoint]]\nposition_mm = [{}, {}, {}]\n"
         "direction = [-0.8539, -0.31184, 0.41667]\nup = [0, 0, 1]\n"
-        "[sensor]\nfull_well_e = 10000\nread_noise_e = 10\nblur_px = 0.8\n"
+        "[sensor]\nfull_well_e = 10000\nread_noise_e = 10\nblur_px = {}\n"
         "[render.paths]\nsamples = {}\n",
         GLINT_SOURCE_DIR,
         width_px_,
@@ -208,6 +212,7 @@ class ChangedGear {
         124.669 * distance_,
         45.529 * distance_,
         -60.833 * distance_,
+        kBlurPx,
         samples_);
   }
 

@@ -50,6 +50,17 @@ bool is_view(const fs::path& folder) {
   return !if_there(folder / "scene.toml").empty() && !picture_of_view(folder).empty();
 }
 
+/// What `glint render --masks` leaves: masks and geometry, which are pictures by their names alone.
+bool is_view_without_picture(const fs::path& folder) {
+  return !if_there(folder / "scene.toml").empty() && !if_there(folder / "part_mask.png").empty() &&
+         picture_of_view(folder).empty();
+}
+
+[[noreturn]] void throw_without_picture(const fs::path& view) {
+  throw ConfigError(view.string() +
+                    ": holds the masks of a view and no picture of it: render it without --masks");
+}
+
 CompareSource view_source(const fs::path& folder) {
   return {.name = last_name(folder),
           .picture = picture_of_view(folder),
@@ -61,12 +72,20 @@ CompareSource view_source(const fs::path& folder) {
 
 std::vector<CompareSource> views_in(const fs::path& folder) {
   std::vector<fs::path> views;
+  fs::path without_picture;
   std::error_code error;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-    if (is_folder(at->path()) && !at->path().filename().string().starts_with(".") &&
-        is_view(at->path())) {
-      views.push_back(at->path());
+    if (!is_folder(at->path()) || at->path().filename().string().starts_with(".")) {
+      continue;
     }
+    if (is_view(at->path())) {
+      views.push_back(at->path());
+    } else if (is_view_without_picture(at->path())) {
+      without_picture = at->path();
+    }
+  }
+  if (views.empty() && !without_picture.empty()) {
+    throw_without_picture(without_picture);
   }
   std::ranges::sort(views, [](const fs::path& a, const fs::path& b) {
     return natural_less(a.filename().string(), b.filename().string());
@@ -219,6 +238,9 @@ std::vector<CompareSource> compare_sources(const fs::path& path) {
   }
   if (is_view(path)) {
     return {view_source(path)};
+  }
+  if (is_view_without_picture(path)) {
+    throw_without_picture(path);
   }
   std::vector<CompareSource> sources = views_in(path);
   if (sources.empty()) {

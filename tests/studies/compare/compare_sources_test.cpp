@@ -142,6 +142,22 @@ TEST_F(PlanComparison, TakesMasksOfSinglePicturesFromTheCsvFile) {
               ThrowsMessage<ConfigError>(HasSubstr("pairs.csv:1:7: there is no mask")));
 }
 
+// `glint render --masks` writes pictures of masks: none of them is one of the part.
+TEST_F(PlanComparison, RefusesAViewOfMasksAlone) {
+  for (const char* name : {"part_mask.png", "mask.png", "defects.png"}) {
+    add(std::string("masks/baseline/") + name);
+  }
+  write_file(folder() / "masks/baseline/scene.toml", "schema = 1\n");
+  for (const char* given : {"masks", "masks/baseline"}) {
+    EXPECT_THAT([&] { compare_sources(folder() / given); },
+                ThrowsMessage<ConfigError>(
+                    HasSubstr("masks/baseline: holds the masks of a view and no picture of it")))
+        << given;
+  }
+  add("masks/baseline/image.png");
+  EXPECT_TRUE(compare_sources(folder() / "masks").front().is_rendered());
+}
+
 TEST_F(PlanComparison, RefusesWhatIsNotThere) {
   EXPECT_THROW(compare_sources(folder() / "nothing"), IoError);
   std::filesystem::create_directories(folder() / "empty");

@@ -150,6 +150,17 @@ TEST_F(ComparePairTest, HasNoGainWithoutCorrelation) {
   EXPECT_TRUE(find_causes(compare(drawn_blade(), noise)).told.empty());
 }
 
+// Nothing could be looked for in the real picture.
+TEST_F(ComparePairTest, HasNoGeometryOfASimulatedPictureWithoutAPart) {
+  ImageF noise(200, 160, 0.1F);
+  add_normal_noise(noise, 0.003, 7);
+  const ComparedPair pair = compare(noise, drawn_blade());
+  EXPECT_EQ(pair.geometry.outlines.simulated.method, OutlineMethod::kInner);
+  EXPECT_FALSE(pair.geometry.iou.has_value());
+  EXPECT_LT(pair.appearance.correlation, 0.1);
+  EXPECT_THAT(pair.notes, ::testing::Contains(::testing::HasSubstr("no silhouette")));
+}
+
 ImageF brighter_background(ImageF picture) {
   for (float& grey : picture.values()) {
     grey = 0.9F - grey;

@@ -138,6 +138,7 @@ std::optional<SceneSettings> jointly_refined(std::span<const RefinedView> views)
   const std::vector<CauseVector> changes =
       fit_joint_lens(lens_views(views), intrinsics_of(views.front().scene), lens_causes(views));
   std::vector<double> gains;
+  std::vector<double> rougher;
   std::vector<Viewpoint> viewpoints;
   SceneSettings joint;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -145,10 +146,12 @@ std::optional<SceneSettings> jointly_refined(std::span<const RefinedView> views)
     put_changes(changes[i], views[i].causes.middle_mm, joint);
     viewpoints.push_back(joint.viewpoint());
     gains.push_back(views[i].causes.gain);
+    rougher.push_back(views[i].causes.roughness_change);
   }
-  PairCauses exposure;
-  exposure.gain = median(gains);
-  joint = refined_scene(joint, exposure);
+  PairCauses greys;
+  greys.gain = median(gains);
+  greys.roughness_change = median(rougher);
+  joint = refined_scene(joint, greys);
   joint.viewpoints = std::move(viewpoints);
   return joint;
 }

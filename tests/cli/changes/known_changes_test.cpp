@@ -106,6 +106,12 @@ TEST(KnownChange, OfRoughnessIsNamedBesideTheGain) {
       EXPECT_NEAR(rougher["value"].get<double>(), 0.2 * roughness, 4.0 * sigma) << gear.last();
       EXPECT_LT(sigma, 0.02 * roughness);
       EXPECT_NEAR(gain["value"].get<double>(), 0.9, 0.01);
+      std::vector<Problem> errors;
+      const SceneSettings refined =
+          read_scene(load_toml(gear.folder() / "compared/pair_01/refined.toml"), errors);
+      EXPECT_TRUE(errors.empty());
+      EXPECT_NEAR(refined.material.roughness, roughness + rougher["value"].get<double>(), 1e-9);
+      EXPECT_NEAR(refined.sensor.gain, gain["value"].get<double>(), 1e-9);
     }
   }
 }

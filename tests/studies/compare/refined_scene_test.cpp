@@ -132,6 +132,23 @@ TEST(JointlyRefined, HasAllViewsAndOneLens) {
   EXPECT_NEAR(joint->sensor.gain, 1.1 * 1.2, 1e-9);
 }
 
+// Gains are what is left beside the roughness that was found: without it they would be of another
+// scene.
+TEST(JointlyRefined, HasTheMedianOfRoughnessBesideThatOfGains) {
+  std::vector<RefinedView> views = {view_with_longer_lens(0.0, 1.1, 1),
+                                    view_with_longer_lens(30.0, 1.3, 2),
+                                    view_with_longer_lens(-30.0, 1.2, 3)};
+  const double own = views[0].scene.material.roughness;
+  const std::vector<double> changes = {0.05, 0.04, 0.0};  // one view does not tell it
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    views[i].causes.roughness_change = changes[i];
+  }
+  const auto joint = jointly_refined(views);
+  ASSERT_TRUE(joint.has_value());
+  EXPECT_NEAR(joint->material.roughness, own + 0.04, 1e-12);
+  EXPECT_NEAR(joint->sensor.gain, 1.1 * 1.2, 1e-9);
+}
+
 TEST(JointlyRefined, IsNothingForOneViewOrForOtherScenes) {
   const RefinedView view = view_with_longer_lens(0.0, 1.0, 1);
   RefinedView other = view_with_longer_lens(30.0, 1.0, 2);

@@ -207,6 +207,7 @@ class CompareRun {
     if (options_.is_refining && is_changed && pair.simulated.source.is_rendered()) {
       write_file(folder / "refined.toml",
                  refined_toml(pair.simulated.source, explained.causes, store_));
+      ++num_refined_;
     }
     if (options_.is_refining && pair.simulated.source.is_rendered()) {
       views_.push_back(
@@ -225,8 +226,18 @@ class CompareRun {
     return views_.size() == plan_.pairs.size() ? jointly_refined(views_) : std::nullopt;
   }
 
-  /// What `--refine` has written of several pairs.
+  /// What `--refine` has written of several pairs, or why it has written nothing.
   std::string refined_note() const {
+    if (views_.empty()) {
+      return "Nothing was refined: no simulated picture comes with the scene that it was rendered "
+             "from (a view of glint render, a design of glint run, or --scene).";
+    }
+    if (num_refined_ == 0 && !joint_) {
+      return "Nothing was refined: no cause was found beyond noise.";
+    }
+    if (plan_.pairs.size() == 1) {
+      return "";
+    }
     return joint_
                ? fmt::format(
                      "refined.toml has all {} views, each with its own pose, and one lens that "
@@ -293,8 +304,8 @@ class CompareRun {
     result["yardstick"] = yardstick_json(stick);
     result["verdict"] = compare_verdict(result["pairs"], stick);
     result["notes"] = plan_.notes;
-    if (options_.is_refining && plan_.pairs.size() > 1) {
-      result["notes"].push_back(refined_note());
+    if (const std::string note = options_.is_refining ? refined_note() : ""; !note.empty()) {
+      result["notes"].push_back(note);
     }
     if (has_yardstick() && !stick) {
       result["notes"].push_back("No yardstick of photographs: the part has no window of 16 px in " +
@@ -336,6 +347,7 @@ class CompareRun {
   Json pairs_ = Json::array();
   std::vector<PagePair> pages_;
   std::vector<RefinedView> views_;  ///< with --refine: of pairs whose simulated side was rendered
+  std::size_t num_refined_ = 0;     ///< pairs with a scene of their own
   std::optional<SceneSettings> joint_;
   std::map<std::string, TextureSample> simulated_;
   std::map<std::string, TextureSample> reals_;

@@ -111,6 +111,14 @@ TEST_F(CompareVerb, MeasuresAgainstPhotographsAmongEachOther) {
               HasSubstr("times as much as they differ from each other"));
 }
 
+TEST_F(CompareVerb, SaysWhyItRefinesNothing) {
+  draw("simulated.png", {});
+  draw("real.png", {.gain = 1.2, .index = 1});
+  const Json result =
+      json_of(folder_, {"compare", "simulated.png", "real.png", "--refine", "--out", "out"});
+  EXPECT_THAT(result["notes"].dump(), HasSubstr("no simulated picture comes with the scene"));
+}
+
 // Two views with a photograph each: these are not of one kind, and a note says what would be.
 TEST_F(CompareVerb, SaysWhyThereIsNoYardstickOfSeveralViews) {
   draw("views/1.png", {});
@@ -309,6 +317,10 @@ TEST_F(ComparedDesign, TakesTheSceneOfAPictureByItself) {
   for (const Json& edge : pair["edges"]) {
     EXPECT_TRUE(edge.contains("surface")) << edge;
   }
+  const Json equal = json_of(
+      folder_,
+      {"compare", "alone.png", "alone.png", "--scene", "my.toml", "--refine", "--out", "equal"});
+  EXPECT_THAT(equal["notes"].dump(), HasSubstr("no cause was found beyond noise"));
   const ProgramResult refused = glint_in(
       folder_, {"compare", "run/winner", real, "--scene", "my.toml", "--quiet", "--out", "other"});
   EXPECT_EQ(refused.code, 2);

@@ -31,6 +31,7 @@ namespace {
 struct PicturedPart {
   ImageF grey;
   Mask mask;
+  std::vector<ImageF> without_batch = {};  ///< `grey` without each batch of its samples; or none
 };
 
 /// What a mask's file says of a real picture.
@@ -92,8 +93,7 @@ std::vector<Boundary> outline_in(const PicturedPart& part) {
   return refined(std::move(rough), edges);
 }
 
-/// Root of the mean squared difference.
-double rms_of(const ImageF& first, const ImageF& second, const Mask& region) {
+double mean_square_of(const ImageF& first, const ImageF& second, const Mask& region) {
   double sum = 0.0;
   double count = 0.0;
   for (std::size_t i = 0; i < first.size(); ++i) {
@@ -104,7 +104,23 @@ double rms_of(const ImageF& first, const ImageF& second, const Mask& region) {
       count += 1.0;
     }
   }
-  return std::sqrt(sum / std::max(1.0, count));
+  return sum / std::max(1.0, count);
+}
+
+/// Root of the mean squared difference. Where there are batches the mean square that their noise
+/// adds is taken off, exactly, as it is a square: B t - (B - 1) mean of t_b. What is then below 0
+/// has the negative root of its size.
+double rms_of(const PicturedPart& simulated, const ImageF& real, const Mask& region) {
+  double square = mean_square_of(simulated.grey, real, region);
+  if (!simulated.without_batch.empty()) {
+    const auto count = static_cast<double>(simulated.without_batch.size());
+    double mean = 0.0;
+    for (const ImageF& grey : simulated.without_batch) {
+      mean += mean_square_of(grey, real, region) / count;
+    }
+    square = count * square - (count - 1.0) * mean;
+  }
+  return std::copysign(std::sqrt(std::abs(square)), square);
 }
 
 /// @param is_kept  of two pixels' values, whether they are set
@@ -236,7 +252,7 @@ Scores compare(const PicturedPart& simulated, const PicturedPart& real, const Ma
            .iou},
       {"overlap.mean_distance_px", outline_distance_px(of_simulated, of_real, near_ignored)},
       {"appearance.ssim", ssim(simulated.grey, real.grey, without(region, near_ignored))},
-      {"appearance.rms", rms_of(simulated.grey, real.grey, region)},
+      {"appearance.rms", rms_of(simulated, real.grey, region)},
       {"appearance.histogram_distance",
        histogram_distance(simulated.grey, real.grey, of_part, real.mask)}};
 }
@@ -322,8 +338,14 @@ class References {
     scene.viewpoint_set = {};
     scene.viewpoints = {viewpoint};
     const auto picture = picture_of(store_, scene, {.has_flawless = false});
-    return {.grey = picture->mean({.has_whole_frames = true}).aspect,
-            .mask = picture->traced()->part_mask};
+    PicturedPart part = {.grey = picture->mean({.has_whole_frames = true}).aspect,
+                         .mask = picture->traced()->part_mask};
+    const std::size_t batches = scene.paths.has_bias_taken_off ? picture->batches() : 0;
+    for (std::size_t batch = 0; batch < batches; ++batch) {
+      part.without_batch.push_back(
+          picture->mean({.has_whole_frames = true, .without = batch}).aspect);
+    }
+    return part;
   }
 
   SceneStore& store_;

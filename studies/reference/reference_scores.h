@@ -21,7 +21,8 @@ enum class InnerEdgeScore { kLeftOut, kMeasured };
 /// number of times as large as the camera's are reduced to its size by means. A mask is the part
 /// above three quarters of full scale, and nothing is compared where it is grey, a quarter to three
 /// quarters; "appearance.ssim" and outlines are compared 5 px away from there and farther. A pixel
-/// of a reduced mask is the part's where most of it is, and grey where any of it is.
+/// of a reduced mask is the part's where most of it is, and grey where any of it is. With
+/// `render.paths.debias` what the noise of the paths adds to "appearance.rms" is taken off.
 /// @throws ConfigError beginning with the key at fault: no pictures, more pictures than viewpoints,
 ///         another size than the camera's, no part in a picture; IoError
 Scores reference_scores(SceneStore& store,

@@ -28,8 +28,9 @@ void visit_keys(KeyVisitor& keys, PathSettings& s) {
   if (keys.is_given("debias") || s.has_bias_taken_off) {
     keys.boolean("debias",
                  s.has_bias_taken_off,
-                 "contrasts of defects (cnr, dprime, weber, peak and the like) have the bias that "
-                 "noise gives them taken off, from the batches; needs two or more");
+                 "contrasts of defects (cnr, dprime, weber, peak and the like) and appearance.rms "
+                 "have the bias that noise gives them taken off, from the batches; needs two or "
+                 "more");
   }
   keys.require(!s.has_bias_taken_off || s.batches > 1,
                "debias",

@@ -155,6 +155,37 @@ TEST_F(ReferenceScores, SayTheReachWhereNoEdgeHasACounterpart) {
   EXPECT_EQ(scores_of(printed).at("overlap.edge_distance_px"), 8.0);
 }
 
+// Of two halves with independent noise, whose differences to the photograph are a and b: the square
+// of their mean holds the noise, a b does not.
+TEST_F(ReferenceScores, HaveTheNoiseOfPathsTakenOffWhereTheSceneSaysSo) {
+  const Study masked = study("masks = [\"mask.png\"]\n");
+  SceneSettings scene = masked.scene;
+  scene.paths.samples = 8;
+  scene.paths.batches = 2;
+  SceneSettings taken = scene;
+  taken.paths.seed += 17;
+  taken.paths.samples = 64;
+  photograph(taken);
+  write_mask_png(folder_ / "mask.png", Mask(96, 64, 1));
+  const auto picture = picture_of(store_, scene, {.has_flawless = false});
+  ASSERT_EQ(picture->batches(), 2U);
+  const ImageF first = picture->mean({.has_whole_frames = true, .without = 1}).aspect;
+  const ImageF second = picture->mean({.has_whole_frames = true, .without = 0}).aspect;
+  const ImageF real = linear_values(read_picture(folder_ / "real.exr").pixels);
+  double square = 0.0;
+  for (std::size_t i = 0; i < real.size(); ++i) {
+    const auto grey = static_cast<double>(real.values()[i]);
+    square += (static_cast<double>(first.values()[i]) - grey) *
+              (static_cast<double>(second.values()[i]) - grey) / static_cast<double>(real.size());
+  }
+  const double with_noise = scores_of(scene).at("appearance.rms");
+  scene.paths.has_bias_taken_off = true;
+  const double without_noise = scores_of(scene).at("appearance.rms");
+  EXPECT_NEAR(without_noise * std::abs(without_noise), square, 1e-8);
+  EXPECT_GT(with_noise, 0.0);
+  EXPECT_LT(without_noise, 0.8 * with_noise);
+}
+
 // Something that is not in the scene covers a corner of the plate: 10 x 10 of 60 x 40 pixels, a
 // difference of 0.5 there is one of 0.5 sqrt(100 / 2400) in all.
 TEST_F(ReferenceScores, CompareNothingWhereAMaskIsGrey) {

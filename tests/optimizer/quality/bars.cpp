@@ -254,6 +254,15 @@ Bar random_bar(const Results& results, const std::string& noise) {
   return bar;
 }
 
+Bar memory_bar(const Results& results) {
+  std::string why;
+  const auto peak = mean_of_part(results, kLongPart, 1, &Result::peak_mb, why);
+  if (!peak && results.contains(kFormerLongPart)) {
+    why += fmt::format("; {} may be the memory of a whole process", kFormerLongPart);
+  }
+  return {.what = "memory that 10,000 evaluations take, MB" + why, .value = peak, .bound = 100.0};
+}
+
 }  // namespace
 
 std::vector<std::string> noises_of_one() {
@@ -329,10 +338,7 @@ std::vector<Bar> bars_of(const Results& results, const Results& development) {
   std::ranges::copy(mixed_bars(results), std::back_inserter(bars));
   bars.push_back(time_bar(results, "glint:auto", 10.0));
   bars.push_back(time_bar(results, kDerivativeMethod, 50.0));
-  std::string why;
-  const auto peak = mean_of_part(results, kLongPart, 1, &Result::peak_mb, why);
-  bars.push_back(
-      {.what = "memory that 10,000 evaluations take, MB" + why, .value = peak, .bound = 100.0});
+  bars.push_back(memory_bar(results));
   return bars;
 }
 

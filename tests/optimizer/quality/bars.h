@@ -24,8 +24,12 @@ std::vector<std::string> noises_of_several();
 std::vector<std::string> peers_of_one();
 bool is_of_several(const std::string& task);
 
-/// Searched once, for its memory.
-inline constexpr const char* kLongPart = "rosen6/0.05/long:auto";
+/// Searched once, for the memory that the search takes.
+inline constexpr const char* kLongPart = "rosen6/0.05/growth:auto";
+/// Of results files from before that part: under this name they hold the largest resident set of a
+/// whole process or, later, what kLongPart holds. Which of them is not told, so that it counts for
+/// nothing.
+inline constexpr const char* kFormerLongPart = "rosen6/0.05/long:auto";
 
 /// All that the bars need, and more peers.
 std::vector<std::string> all_parts();

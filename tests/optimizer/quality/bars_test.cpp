@@ -134,6 +134,21 @@ TEST(Bars, JudgeTheMemoryOfALongSearch) {
   EXPECT_FALSE(is_met(bar_of(results, "memory")));
 }
 
+/// A file of before, as it is read: "rosen6/0.05/long:auto 1 0.0000 0.0000 0.0000 0.0000 71.3 .".
+TEST(Bars, DoNotShowTheMemoryOfAWholeProcessThatAnOlderFileHolds) {
+  Results results;
+  results["rosen6/0.05/long:auto"][1].peak_mb = 71.3;
+  const Bar bar = bar_of(results, "memory");
+  EXPECT_FALSE(bar.value);
+  EXPECT_FALSE(is_met(bar));
+  EXPECT_THAT(bar.what, HasSubstr("has 0 of 1 seeds"));
+  EXPECT_THAT(bar.what, HasSubstr("rosen6/0.05/long:auto may be the memory of a whole process"));
+  results[kLongPart][1].peak_mb = 40.0;
+  EXPECT_DOUBLE_EQ(bar_of(results, "memory").value.value(), 40.0);
+  const std::vector<std::string> parts = all_parts();
+  EXPECT_EQ(std::ranges::count(parts, "rosen6/0.05/long:auto"), 0) << "or it would be run again";
+}
+
 TEST(MemoryGrowth, CountsNeitherWhatIsThereNorWhatWasFreedBefore) {
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "sanitizers have memory of their own";

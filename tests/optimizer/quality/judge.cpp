@@ -205,7 +205,7 @@ Result run_method(
   if (method.substr(0, colon) == "derivatives") {
     return glint_search(name, judge, task, instance, noise > 0.0, limit, true);
   }
-  if (method.substr(0, colon) == "long") {
+  if (method.substr(0, colon) == "growth") {
     return long_search(name, judge, task, instance, noise > 0.0);
   }
   if (method.substr(0, colon) == "optuna") {

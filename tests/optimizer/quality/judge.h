@@ -46,12 +46,12 @@ struct Result {
   double after_100 = 0.0;
   double after_300 = 0.0;
   double own_ms = 0.0;   ///< of the method itself, per evaluation
-  double peak_mb = 0.0;  ///< of "long:NAME" only: memory that the search takes
+  double peak_mb = 0.0;  ///< of "growth:NAME" only: memory that the search takes
 };
 
 /// "glint:NAME" (NAME of algorithm_names()) or "nlopt:NAME" (cobyla, bobyqa, direct_l,
 /// direct_l_rand; started again and again from random points), or "optuna:NAME" (tpe, cmaes).
-/// "derivatives:gp" is told derivatives; "long:NAME" is the method of Glint over 10,000
+/// "derivatives:gp" is told derivatives; "growth:NAME" is the method of Glint over 10,000
 /// evaluations, to be run in a process of its own.
 /// @throws PeerMissing where Optuna is not installed
 Result run_method(

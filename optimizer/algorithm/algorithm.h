@@ -67,7 +67,9 @@ namespace glint {
 ///    front.
 /// 7: under noise the front of several objectives, and what is chosen of it, is of expected values;
 ///    gp is asked whether it expects the target only where that may be new.
-inline constexpr int kSearchRules = 7;
+/// 8: under noise limits are judged by how probably they hold, by what gp expects and in the race
+///    by replicates; a target that is another than before is looked at at once.
+inline constexpr int kSearchRules = 8;
 
 /// Repeated points in a row after which a space counts as fully sampled.
 inline constexpr int kMaxRepeats = 5000;
@@ -128,6 +130,10 @@ class Algorithm {
   /// What the objectives are expected to be without noise at each told point, in the order of
   /// telling; an empty row where it failed. Empty: there is no model.
   virtual std::vector<std::vector<Expectation>> expected_objectives() { return {}; }
+
+  /// The same of the limits, in the order of Answer::limits and as models know them: log_limit() of
+  /// them (by rules 4).
+  virtual std::vector<std::vector<Expectation>> expected_limits() { return {}; }
 
   /// Restarts, abandoned runs, models and remarks since the last call, in order.
   std::vector<Event> take_events();

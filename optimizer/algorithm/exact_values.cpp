@@ -18,6 +18,10 @@ double log_limit_derivative(double value) {
   return 1.0 / (1.0 + std::abs(value));
 }
 
+double limit_of_log(double log) {
+  return std::copysign(std::expm1(std::abs(log)), log);
+}
+
 ExactValues::ExactValues(Goal goal, ExactScores scores)
     : goal_(std::move(goal)), scores_(std::move(scores)) {
   GLINT_CHECK(scores_.max_candidates >= 1, "at least one candidate");

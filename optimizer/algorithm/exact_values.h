@@ -17,6 +17,8 @@ namespace glint {
 double log_limit(double value);
 /// Its derivative.
 double log_limit_derivative(double value);
+/// The value that log_limit() was taken of.
+double limit_of_log(double log);
 
 class ExactValues {
  public:

@@ -104,6 +104,15 @@ void GaussianSearch::restore_model(std::span<const double> parameters) {
 }
 
 std::vector<std::vector<Expectation>> GaussianSearch::expected_objectives() {
+  return expected_values(0, plan_.num_objectives);
+}
+
+std::vector<std::vector<Expectation>> GaussianSearch::expected_limits() {
+  return expected_values(plan_.num_objectives, plan_.num_limits);
+}
+
+/// Of `count` models from the first one on.
+std::vector<std::vector<Expectation>> GaussianSearch::expected_values(int first, int count) {
   if (restored_) {
     rebuild(*restored_);
   }
@@ -113,28 +122,9 @@ std::vector<std::vector<Expectation>> GaussianSearch::expected_objectives() {
   for (; num_in_models_ < told_.size(); ++num_in_models_) {
     add_to_models(told_[num_in_models_]);
   }
-  std::vector<Point> points;
-  for (const ToldDesign& told : told_) {
-    if (!told.values.empty()) {
-      points.push_back(told.point);
-    }
-  }
-  std::vector<std::vector<Posterior>> predicted;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(plan_.num_objectives); ++k) {
-    predicted.push_back(models_[k].predict(points));
-  }
-  std::vector<std::vector<Expectation>> rows;
-  std::size_t next = 0;
-  for (const ToldDesign& told : told_) {
-    std::vector<Expectation> row;
-    for (std::size_t k = 0; k < predicted.size() && !told.values.empty(); ++k) {
-      const Posterior& posterior = predicted[k][next];
-      row.push_back({.mean = posterior.mean, .sd = std::sqrt(posterior.variance)});
-    }
-    next += told.values.empty() ? 0U : 1U;
-    rows.push_back(std::move(row));
-  }
-  return rows;
+  return expected_rows_of(std::span<const GaussianProcess>(models_).subspan(
+                              static_cast<std::size_t>(first), static_cast<std::size_t>(count)),
+                          told_);
 }
 
 std::optional<Point> GaussianSearch::fresh_sobol_point() {

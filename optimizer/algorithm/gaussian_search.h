@@ -61,6 +61,7 @@ class GaussianSearch final : public Algorithm {
   void restore_ask(const Point& point) override;
   void restore_model(std::span<const double> parameters) override;
   std::vector<std::vector<Expectation>> expected_objectives() override;
+  std::vector<std::vector<Expectation>> expected_limits() override;
 
  private:
   /// The models' parameters were chosen when so many were told.
@@ -75,6 +76,7 @@ class GaussianSearch final : public Algorithm {
   std::optional<Point> promising_point(std::span<const GaussianProcess> models, Rng& rng);
   std::optional<Point> scalarised_point(std::span<const GaussianProcess> models, Rng& rng);
   std::vector<double> reference() const;
+  std::vector<std::vector<Expectation>> expected_values(int first, int count);
   /// Of the answer to a design: value, error and derivatives of a limit as its model knows them.
   void add_limit(const Answer& answer, std::size_t i, ToldDesign& told) const;
   void update_models();

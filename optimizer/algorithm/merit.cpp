@@ -200,6 +200,11 @@ std::vector<double> limit_values(const Constraint& constraint, double score) {
   return values;
 }
 
+double score_at_limit(const Constraint& constraint, std::size_t limit, double value) {
+  const Limit one = limits_of(constraint).at(limit);
+  return one.border + one.sign * unit_of(one.border) * (value - one.margin);
+}
+
 double violation(const Constraint& constraint, double score) {
   if (constraint.min && score < *constraint.min) {
     return relative(*constraint.min - score, *constraint.min);

@@ -57,6 +57,10 @@ int num_limits(const Goal& goal);
 /// limit) / |limit| + MeritFunction::kLimitMargin, at most 1e6 in size; NaN of NaN.
 std::vector<double> limit_values(const Constraint& constraint, double score);
 
+/// The score that limit_values() makes of this value of its entry `limit`, which is within the size
+/// of 1e6.
+double score_at_limit(const Constraint& constraint, std::size_t limit, double value);
+
 /// How far a score is outside its limits, as a part of the limit (of 1 where the limit is 0);
 /// 0 inside, at most 1e6.
 double violation(const Constraint& constraint, double score);

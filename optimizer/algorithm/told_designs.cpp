@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/front/expected_hypervolume.h"
@@ -158,6 +159,32 @@ UnitDerivatives unit_derivatives(const SearchSpace& space,
     derivatives[i] = derivative_at(space, point, i) == 0.0 ? std::nan("") : derivatives[i];
   }
   return derivatives;
+}
+
+std::vector<std::vector<Expectation>> expected_rows_of(std::span<const GaussianProcess> models,
+                                                       std::span<const ToldDesign> designs) {
+  std::vector<Point> points;
+  for (const ToldDesign& told : designs) {
+    if (!told.values.empty()) {
+      points.push_back(told.point);
+    }
+  }
+  std::vector<std::vector<Posterior>> predicted;
+  for (const GaussianProcess& model : models) {
+    predicted.push_back(model.predict(points));
+  }
+  std::vector<std::vector<Expectation>> rows;
+  std::size_t next = 0;
+  for (const ToldDesign& told : designs) {
+    std::vector<Expectation> row;
+    for (std::size_t k = 0; k < predicted.size() && !told.values.empty(); ++k) {
+      const Posterior& posterior = predicted[k][next];
+      row.push_back({.mean = posterior.mean, .sd = std::sqrt(posterior.variance)});
+    }
+    next += told.values.empty() ? 0U : 1U;
+    rows.push_back(std::move(row));
+  }
+  return rows;
 }
 
 GaussianProcessSettings model_settings(int rules, bool is_noisy, bool takes_derivatives) {

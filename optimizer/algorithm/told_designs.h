@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "optimizer/algorithm/answer.h"
 #include "optimizer/problem/space.h"
 #include "optimizer/surrogate/gaussian_process.h"
 
@@ -65,6 +66,10 @@ std::vector<UnitDerivatives> nearest_derivatives(const SearchSpace& space,
 UnitDerivatives unit_derivatives(const SearchSpace& space,
                                  const Point& point,
                                  const std::vector<double>& gradient);
+
+/// What each model expects of each design, a row per design; an empty one where it failed.
+std::vector<std::vector<Expectation>> expected_rows_of(std::span<const GaussianProcess> models,
+                                                       std::span<const ToldDesign> designs);
 
 /// How the models of such designs are fitted, by the rules of the search (SearchSettings::rules).
 GaussianProcessSettings model_settings(int rules, bool is_noisy, bool takes_derivatives);

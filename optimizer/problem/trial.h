@@ -64,11 +64,13 @@ struct Trial {
 
 /// Steps of a search in the order they happened. Asks and tells alone rebuild the algorithm.
 enum class EventKind {
-  kAsk,        ///< the algorithm asked for this trial's point; again for a trial that it knows
-  kTell,       ///< this trial's merit was told; `value` is the merit
-  kRestart,    ///< a run of the algorithm ended and another took its place
-  kAbandon,    ///< run number `value` did not answer and was left behind
-  kNote,       ///< for people; `value` > 0: so many designs the models know from here on
+  kAsk,      ///< the algorithm asked for this trial's point; again for a trial that it knows
+  kTell,     ///< this trial's merit was told; `value` is the merit
+  kRestart,  ///< a run of the algorithm ended and another took its place
+  kAbandon,  ///< run number `value` did not answer and was left behind
+  /// For people; `value` > 0: so many designs the models know from here on; with `objectives`: the
+  /// budget.target that the search is looked at with from here on, NaN: none.
+  kNote,
   kReference,  ///< of several objectives: the hypervolume's reference was fixed at `objectives`
   kRules,      ///< before the first ask: the run follows the rules `value` (SearchSettings::rules)
   kModel,      ///< the algorithm's models have the parameters `objectives` from the next ask on

@@ -44,10 +44,11 @@ bool are_alike(const SearchSpace& space, const Point& a, const Point& b) {
 std::vector<const Trial*> in_order(const Goal& goal,
                                    std::span<const Trial> trials,
                                    const Expectations& expected,
-                                   int first) {
+                                   int first,
+                                   const LimitExpectations& limits) {
   std::vector<const Trial*> ordered;
   for (const Trial& trial : trials) {
-    if (is_judgeable(goal, trial) && is_feasible(goal, trial.outcome->scores)) {
+    if (is_judgeable(goal, trial) && is_likely_feasible(goal, trial, limits)) {
       ordered.push_back(&trial);
     }
   }
@@ -123,8 +124,9 @@ std::vector<int> finalists_of(const Goal& goal,
                               const Expectations& expected,
                               int first,
                               std::size_t count,
-                              std::optional<std::size_t> kinds) {
-  const std::vector<const Trial*> ordered = in_order(goal, trials, expected, first);
+                              std::optional<std::size_t> kinds,
+                              const LimitExpectations& limits) {
+  const std::vector<const Trial*> ordered = in_order(goal, trials, expected, first, limits);
   std::vector<const Trial*> taken;
   for (const Trial* trial : ordered) {
     const auto is_like = [&](const Trial* other) {

@@ -15,6 +15,7 @@
 #include "optimizer/problem/goal.h"
 #include "optimizer/problem/space.h"
 #include "optimizer/problem/trial.h"
+#include "optimizer/search/expected_limits.h"
 
 namespace glint {
 
@@ -38,8 +39,8 @@ Expectations with_exact_scores(const Goal& goal,
                                Expectations expected);
 
 /// The trials of one objective that are most likely the best: feasible ones by what is expected of
-/// them, else by what was seen, the best first. Of two that differ by less than 1 % of the range in
-/// every variable the worse is left out.
+/// them, else by what was seen, the best first; feasible is likewise what is_likely_feasible(). Of
+/// two that differ by less than 1 % of the range in every variable the worse is left out.
 /// @param space  checked
 /// @param first  the number of a feasible trial that is taken in any case, first
 /// @param count  >= 1, so many at most, and beyond them
@@ -51,6 +52,7 @@ std::vector<int> finalists_of(const Goal& goal,
                               const Expectations& expected,
                               int first,
                               std::size_t count,
-                              std::optional<std::size_t> kinds = std::nullopt);
+                              std::optional<std::size_t> kinds = std::nullopt,
+                              const LimitExpectations& limits = {});
 
 }  // namespace glint

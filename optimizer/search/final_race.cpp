@@ -9,6 +9,7 @@
 
 #include "core/rng.h"
 #include "optimizer/algorithm/merit.h"
+#include "optimizer/search/expected_limits.h"
 #include "optimizer/search/search.h"
 
 namespace glint {
@@ -59,11 +60,13 @@ class FinalRacing {
   FinalRacing(const Goal& goal,
               const std::vector<Entrant>& entrants,
               Storage& storage,
-              const EvaluateReplicate& evaluate)
+              const EvaluateReplicate& evaluate,
+              RaceLimits limits)
       : goal_(goal),
         entrants_(entrants),
         storage_(storage),
         evaluate_(evaluate),
+        limits_(limits),
         names_(judged_scores(goal)) {
     found_.racers.resize(entrants.size());
     std::map<std::string, int> counts;
@@ -86,6 +89,7 @@ class FinalRacing {
         }
       }
       done = wanted;
+      judge_limits();
       give_up();
     }
     return true;
@@ -94,7 +98,9 @@ class FinalRacing {
   FinalRace result() {
     for (Racer& racer : found_.racers) {
       racer.keeps_limits =
-          !racer.replicates.empty() && is_feasible(goal_, mean_scores(racer.replicates));
+          !racer.replicates.empty() &&
+          (racer.feasible_chance ? is_likely(racer)
+                                 : is_feasible(goal_, mean_scores(racer.replicates)));
     }
     found_.best = best_of(true);
     share_probability();
@@ -163,6 +169,38 @@ class FinalRacing {
     return scores;
   }
 
+  void judge_limits() {
+    if (limits_ == RaceLimits::kByMeans || goal_.constraints.empty()) {
+      return;
+    }
+    for (Racer& racer : found_.racers) {
+      if (!racer.replicates.empty()) {
+        racer.feasible_chance = share_feasible(racer);
+      }
+    }
+  }
+
+  double share_feasible(const Racer& racer) const {
+    int count = 0;
+    for (int sample = 0; sample < kSamples; ++sample) {
+      const RaceDraw draw = draw_replicates(racer.replicates.size(), sample);
+      count += is_feasible(goal_, drawn_scores(racer, draw)) ? 1 : 0;
+    }
+    return static_cast<double>(count) / kSamples;
+  }
+
+  static bool is_likely(const Racer& racer) {
+    return racer.feasible_chance.value_or(1.0) >= kFeasibleChance;
+  }
+
+  /// By their means; both have replicates.
+  bool leads(const Racer& a, const Racer& b) const {
+    if (is_likely(a) != is_likely(b)) {
+      return is_likely(a);
+    }
+    return is_better(goal_, mean_scores(a.replicates), mean_scores(b.replicates));
+  }
+
   /// By the means, of those that are still in the race; of equals the first.
   /// @param is_of_search  trials alone; where all are given up the best of them
   std::size_t best_of(bool is_of_search) const {
@@ -172,9 +210,7 @@ class FinalRacing {
         const Racer& racer = found_.racers[i];
         const bool counts = !racer.replicates.empty() && (may_be_given_up || !racer.is_given_up) &&
                             (!is_of_search || entrants_[i].trial > 0);
-        if (counts && (!best || is_better(goal_,
-                                          mean_scores(racer.replicates),
-                                          mean_scores(found_.racers[*best].replicates)))) {
+        if (counts && (!best || leads(racer, found_.racers[*best]))) {
           best = i;
         }
       }
@@ -241,6 +277,7 @@ class FinalRacing {
   const std::vector<Entrant>& entrants_;
   Storage& storage_;
   const EvaluateReplicate& evaluate_;
+  RaceLimits limits_;
   std::vector<std::string> names_;
   std::map<std::pair<std::string, int>, Outcome> known_;
   int next_ = 1;  ///< number of the next replicate in the database
@@ -258,8 +295,9 @@ std::optional<FinalRace> run_final_race(const Goal& goal,
                                         const std::vector<Entrant>& entrants,
                                         Storage& storage,
                                         const EvaluateReplicate& evaluate,
-                                        const std::atomic<int>* interrupt) {
-  FinalRacing race(goal, entrants, storage, evaluate);
+                                        const std::atomic<int>* interrupt,
+                                        RaceLimits limits) {
+  FinalRacing race(goal, entrants, storage, evaluate, limits);
   return race.run(interrupt) ? std::optional(race.result()) : std::nullopt;
 }
 

@@ -34,11 +34,18 @@ struct Entrant {
   Point point = {};  ///< of a trial
 };
 
+/// How a race judges limits: by the means of replicates, or (by search rules 8) by the samples of
+/// these means: a design that keeps all limits in less than half of them is behind all others.
+enum class RaceLimits { kByMeans, kByChance };
+
 struct Racer {
   std::vector<Scores> replicates;
   bool is_given_up = false;  ///< also one that could not be evaluated
-  bool keeps_limits = true;  ///< by the means of its replicates
+  bool keeps_limits = true;  ///< as RaceLimits says
   double probability = 0.0;  ///< of being the best of all, 0 where given up
+  /// Share of the samples of its means that keep all limits; kByChance only, and only where there
+  /// are limits and replicates.
+  std::optional<double> feasible_chance = {};
 };
 
 struct FinalRace {
@@ -61,6 +68,7 @@ std::optional<FinalRace> run_final_race(const Goal& goal,
                                         const std::vector<Entrant>& entrants,
                                         Storage& storage,
                                         const EvaluateReplicate& evaluate,
-                                        const std::atomic<int>* interrupt = nullptr);
+                                        const std::atomic<int>* interrupt = nullptr,
+                                        RaceLimits limits = RaceLimits::kByMeans);
 
 }  // namespace glint

@@ -42,6 +42,8 @@ struct SearchMemory {
 
   Trial& trial(int number) { return trials[static_cast<std::size_t>(number - 1)]; }
 
+  const Trial& trial(int number) const { return trials[static_cast<std::size_t>(number - 1)]; }
+
   /// Counts an ask of this trial and puts it in flight.
   void note_ask(int number);
 

@@ -12,6 +12,8 @@
 #include "core/wall_clock.h"
 #include "optimizer/front/front.h"
 #include "optimizer/search/replay.h"
+#include "optimizer/search/search_answer.h"
+#include "optimizer/search/search_target.h"
 #include "optimizer/search/task_check.h"
 
 namespace glint {
@@ -37,7 +39,8 @@ class Search {
         evaluate_(evaluate),
         interrupt_(interrupt),
         on_evaluation_(on_evaluation),
-        memory_(make_memory(task, storage)) {}
+        memory_(make_memory(task, storage)),
+        target_(task, storage.events()) {}
 
   SearchResult run() {
     begin_log(task_, storage_);
@@ -59,12 +62,16 @@ class Search {
   void look_at(const Event& event) {
     if (event.kind == EventKind::kAbandon) {
       result_.warnings.push_back(event.text);
-    } else if (event.kind == EventKind::kNote && event.value == 0.0 && task_.settings.derivatives) {
+    } else if (event.kind == EventKind::kNote && event.value == 0.0 && event.objectives.empty() &&
+               task_.settings.derivatives) {
       on_derivatives_ = event.text;
     }
   }
 
   Termination loop() {
+    if (knows_new_target()) {
+      return Termination::kTarget;
+    }
     while (true) {
       if (memory_.in_flight.empty()) {
         if (begins_epoch()) {
@@ -82,6 +89,14 @@ class Search {
       }
       tell_in_flight();
     }
+  }
+
+  /// Whether a target that a run goes on with is reached by what was told before the batch that it
+  /// was stopped in; without such a batch ended() looks at it, and a review of outcomes comes
+  /// first.
+  bool knows_new_target() {
+    return target_.is_new() && !memory_.in_flight.empty() && !task_.review &&
+           target_.is_reached(memory_);
   }
 
   /// Lets the caller review what is told.
@@ -111,56 +126,13 @@ class Search {
     return limit > 0.0 && seconds_before_ + seconds_since(start_) >= limit;
   }
 
-  bool reaches_target(double value) const {
-    const double target = *task_.budget.target;
-    return task_.goal.objective.is_maximised ? value >= target : value <= target;
-  }
-
-  /// As it was seen.
-  bool reaches_target(const Trial& told) const {
-    return !told.outcome->is_failed && is_feasible(task_.goal, told.outcome->scores) &&
-           reaches_target(told.outcome->scores.at(task_.goal.objective.name));
-  }
-
-  bool has_reached_target() {
-    if (!task_.budget.target || !memory_.best || !reaches_target(trial(*memory_.best))) {
-      return false;
-    }
-    return !task_.settings.is_noisy || task_.settings.rules < 6 ||
-           (may_expect_target() && is_target_expected());
-  }
-
-  /// Whether the model can have come to expect the target by the last batch: one of its designs was
-  /// seen to reach it, or the model has other parameters. By rules 6 it is asked after every batch.
-  /// Follows from the log, so that a search that was cut up ends where a whole one does.
-  bool may_expect_target() const {
-    const auto batch = std::span(memory_.tells).subspan(memory_.told_before_batch);
-    return task_.settings.rules < 7 || algorithm_name() != "gp" || memory_.has_new_model() ||
-           std::ranges::any_of(batch, [this](int n) { return reaches_target(trial(n)); });
-  }
-
-  /// Whether the model expects it of the best design, which one lucky evaluation does not make; of
-  /// methods without models nothing else is known.
-  bool is_target_expected() {
-    ++result_.target_questions;
-    const std::vector<std::vector<Expectation>> rows = memory_.algorithm->expected_objectives();
-    const auto best = expected_best(task_.goal, memory_.trials, memory_.tells, rows);
-    return best ? expects_target(expectations_of(task_.goal, memory_.tells, rows), *best)
-                : algorithm_name() != "gp";
-  }
-
-  bool expects_target(const Expectations& expected, int number) const {
-    const auto found = expected.find(number);
-    return found != expected.end() && reaches_target(found->second.front().mean);
-  }
-
   /// Looked at between batches only, so that it does not depend on jobs or interruptions.
   std::optional<Termination> ended() {
     const Budget& budget = task_.budget;
     if (task_.review && is_interrupted()) {
       return Termination::kInterrupted;  // its end is to be reviewed, too
     }
-    if (has_reached_target()) {
+    if (target_.is_reached(memory_)) {
       return Termination::kTarget;
     }
     if (memory_.num_told >= kMaxFirstFailures && memory_.num_failed == memory_.num_told) {
@@ -188,6 +160,9 @@ class Search {
   /// larger budget later must have asked the same.
   bool ask_batch() {
     std::vector<Event> events;
+    if (std::optional<Event> target = target_.take_event()) {
+      events.push_back(*std::move(target));
+    }
     std::vector<Trial> new_trials;
     for (int i = 0; i < task_.settings.batch; ++i) {
       const std::optional<Point> point = memory_.algorithm->ask();
@@ -337,31 +312,22 @@ class Search {
 
   SearchResult finished_result() {
     SearchResult result = std::move(result_);
-    result.algorithm = algorithm_name();
+    result.algorithm = algorithm_of(task_);
     result.rules = task_.settings.rules;
     if (!on_derivatives_.empty()) {
       result.warnings.push_back(on_derivatives_);
     }
     result.reused = memory_.num_reused;
     result.seconds = seconds_before_ + seconds_since(start_);
-    result.best = best_seen(task_.goal, memory_.trials);
-    const std::vector<std::vector<Expectation>> expected = expected_rows();
-    result.expected = expectations_of(task_.goal, memory_.tells, expected);
-    if (has_several_objectives(task_.goal)) {
-      take_compromise(result);
-    } else if (task_.settings.is_noisy && task_.settings.rules > 1) {
-      const std::optional<int> best =
-          expected_best(task_.goal, memory_.trials, memory_.tells, expected);
-      result.best = best ? trial(*best) : result.best;
-    }
-    result.is_feasible = result.best && is_feasible(task_.goal, result.best->outcome->scores);
+    take_answer(task_, memory_, result);
+    result.target_questions = target_.num_questions();
     note_lucky_target(result);
     return result;
   }
 
   void note_lucky_target(SearchResult& result) const {
     if (result.termination == Termination::kTarget && task_.settings.is_noisy &&
-        !expects_target(result.expected, result.best->number)) {
+        !target_.is_expected(result.expected, result.best->number)) {
       result.warnings.push_back(
           std::string("budget.target was reached by an evaluation with noise; ") +
           (result.expected.empty() ? "whether the winner reaches it without is not known"
@@ -369,47 +335,9 @@ class Search {
     }
   }
 
-  /// One per tell; empty where scores are not noisy.
-  std::vector<std::vector<Expectation>> expected_rows() {
-    const bool is_noisy = task_.settings.is_noisy || tells_noise(task_.goal, memory_.trials);
-    return is_noisy && task_.settings.rules > 1 ? memory_.algorithm->expected_objectives()
-                                                : std::vector<std::vector<Expectation>>{};
-  }
-
-  std::string algorithm_name() const {
-    return resolved_algorithm(task_.space, task_.settings, num_objectives(task_.goal));
-  }
-
-  /// By rules 7 of what noisy scores are expected to be, where a model knows.
-  void take_compromise(SearchResult& result) const {
-    const Goal& goal = task_.goal;
-    const bool is_expected = task_.settings.is_noisy && task_.settings.rules > 6;
-    if (is_expected) {
-      result.expected =
-          with_exact_scores(goal, memory_.trials, task_.exact.names, std::move(result.expected));
-    }
-    result.trade_off = trade_off(
-        goal, memory_.trials, memory_.reference, is_expected ? result.expected : Expectations{});
-    if (result.trade_off->trials.empty()) {  // what meets the limits was not told before the end
-      result.trade_off = trade_off(goal, memory_.trials, memory_.reference);
-    }
-    const TradeOff& found = *result.trade_off;
-    if (!found.trials.empty()) {
-      result.best = trial(found.trials[found.chosen]);
-    }
-    if (found.outside > 0) {
-      result.warnings.push_back(
-          "the reference lies inside the front: " + std::to_string(found.outside) + " of its " +
-          std::to_string(found.front.size()) +
-          " designs are not better than it in every objective and add nothing to the hypervolume");
-    }
-  }
-
   Trial& trial(int number) { return memory_.trial(number); }
 
-  const Trial& trial(int number) const {
-    return memory_.trials[static_cast<std::size_t>(number - 1)];
-  }
+  const Trial& trial(int number) const { return memory_.trial(number); }
 
   const SearchTask& task_;
   Storage& storage_;
@@ -417,6 +345,7 @@ class Search {
   const std::atomic<int>* interrupt_;
   const OnEvaluation& on_evaluation_;
   SearchMemory memory_;
+  SearchTarget target_;
   std::mutex mutex_;
   SearchResult result_;
   std::string on_derivatives_;     ///< the last that was let go of them

@@ -25,6 +25,7 @@
 #include "optimizer/problem/space.h"
 #include "optimizer/problem/trial.h"
 #include "optimizer/search/expectations.h"
+#include "optimizer/search/expected_limits.h"
 #include "optimizer/search/trade_off.h"
 #include "optimizer/storage/storage.h"
 
@@ -41,7 +42,8 @@ struct Budget {
   int stall = 0;
   /// Objective that a feasible design has to reach; of one only. Of a noisy one the model has to
   /// expect it of the best design, where there is a model (by rules 6); it is asked when a design
-  /// of the last batch was seen to reach it or the model has other parameters (by rules 7).
+  /// of the last batch was seen to reach it or the model has other parameters (by rules 7), and at
+  /// once where the run goes on with another target (by rules 8).
   std::optional<double> target;
   /// Not of the search: designs that race with fresh random numbers when it has ended; 0: none.
   /// Empty: as many as race_size() says.
@@ -111,11 +113,20 @@ struct SearchProgress {
 /// Called after each evaluation, one call at a time, possibly from another thread.
 using OnEvaluation = std::function<void(const SearchProgress&)>;
 
+/// By what the limits of a search's answer are judged under noise.
+struct JudgedLimits {
+  ExpectedLimits expected;
+  bool is_raced = false;  ///< by the replicates of a race of finalists, else by the search's models
+};
+
 struct SearchResult {
   Termination termination = Termination::kEvaluations;
   /// The best feasible design, of several objectives the compromise that the goal's choice takes;
-  /// else the one with the least violation; empty: none succeeded.
+  /// else the one with the least violation or, where models judge limits, the one that keeps them
+  /// most probably; empty: none succeeded.
   std::optional<Trial> best;
+  /// Of best: whether it was seen to keep the limits; where models or replicates judge them,
+  /// whether it does so with a probability of a half or more.
   bool is_feasible = false;
   int evaluations = 0;  ///< over all runs, failed ones included
   int failed = 0;
@@ -129,7 +140,9 @@ struct SearchResult {
   std::vector<std::string> warnings;
   std::optional<TradeOff> trade_off;  ///< of several objectives
   Expectations expected = {};         ///< where scores are noisy and the algorithm has models
-  int rules = kSearchRules;           ///< that it followed, SearchSettings::rules
+  LimitExpectations limits = {};      ///< the same of limits (by rules 8, under search.noisy)
+  std::optional<JudgedLimits> judged_limits = {};  ///< of best, where limits have such
+  int rules = kSearchRules;                        ///< that it followed, SearchSettings::rules
 
   /// What the front is made of; empty: of what was seen.
   Expectations of_front() const {

@@ -25,8 +25,8 @@ bool has_scores(const Trial& trial) {
   return trial.outcome && !trial.outcome->is_failed;
 }
 
-bool is_on_offer(const Goal& goal, const Trial& trial) {
-  return has_scores(trial) && is_feasible(goal, trial.outcome->scores);
+bool is_on_offer(const Goal& goal, const Trial& trial, const LimitExpectations& limits) {
+  return has_scores(trial) && is_likely_feasible(goal, trial, limits);
 }
 
 bool is_inside(const Row& row, const Row& reference) {
@@ -45,9 +45,12 @@ struct Judged {
   Row halves;  ///< half the interval of each
 };
 
-std::optional<Judged> judged(const Goal& goal, const Trial& trial, const Expectations& expected) {
+std::optional<Judged> judged(const Goal& goal,
+                             const Trial& trial,
+                             const Expectations& expected,
+                             const LimitExpectations& limits) {
   const auto known = expected.find(trial.number);
-  if (!is_on_offer(goal, trial) || (!expected.empty() && known == expected.end())) {
+  if (!is_on_offer(goal, trial, limits) || (!expected.empty() && known == expected.end())) {
     return std::nullopt;
   }
   const Scores& scores = trial.outcome->scores;
@@ -156,13 +159,14 @@ std::vector<double> reference_of(const Goal& goal, std::span<const Trial> design
 TradeOff trade_off(const Goal& goal,
                    std::span<const Trial> trials,
                    const std::vector<double>& reference,
-                   const Expectations& expected) {
+                   const Expectations& expected,
+                   const LimitExpectations& limits) {
   TradeOff found{.reference = reference.empty() ? reference_of(goal, trials) : reference,
                  .is_expected = !expected.empty()};
   std::vector<Judged> offered;
   std::vector<Row> rows;
   for (const Trial& trial : trials) {
-    if (const std::optional<Judged> one = judged(goal, trial, expected)) {
+    if (const std::optional<Judged> one = judged(goal, trial, expected, limits)) {
       rows.push_back(one->values);
       offered.push_back(*one);
     }
@@ -183,25 +187,15 @@ TradeOff trade_off(const Goal& goal,
   return found;
 }
 
-std::optional<Trial> best_seen(const Goal& goal, std::span<const Trial> trials) {
-  const Trial* best = nullptr;
-  for (const Trial& trial : trials) {
-    if (has_scores(trial) &&
-        (best == nullptr || is_better(goal, trial.outcome->scores, best->outcome->scores))) {
-      best = &trial;
-    }
-  }
-  return best != nullptr ? std::optional(*best) : std::nullopt;
-}
-
 std::optional<int> expected_best(const Goal& goal,
                                  std::span<const Trial> trials,
                                  std::span<const int> told,
-                                 std::span<const std::vector<Expectation>> expected) {
+                                 std::span<const std::vector<Expectation>> expected,
+                                 const LimitExpectations& limits) {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < std::min(told.size(), expected.size()); ++i) {
     const Trial& trial = trials[static_cast<std::size_t>(told[i] - 1)];
-    if (!expected[i].empty() && is_on_offer(goal, trial) &&
+    if (!expected[i].empty() && is_on_offer(goal, trial, limits) &&
         (!best || expected[i][0].mean < expected[*best][0].mean)) {
       best = i;
     }
@@ -212,7 +206,8 @@ std::optional<int> expected_best(const Goal& goal,
 std::vector<double> hypervolume_history(const Goal& goal,
                                         std::span<const Trial> trials,
                                         const std::vector<double>& reference,
-                                        const Expectations& expected) {
+                                        const Expectations& expected,
+                                        const LimitExpectations& limits) {
   std::vector<Row> front;
   std::vector<double> history;
   double volume = 0.0;
@@ -220,7 +215,7 @@ std::vector<double> hypervolume_history(const Goal& goal,
     if (!trial.outcome) {
       continue;
     }
-    if (const std::optional<Judged> one = judged(goal, trial, expected)) {
+    if (const std::optional<Judged> one = judged(goal, trial, expected, limits)) {
       front.push_back(one->values);
       std::vector<Row> kept;
       const std::vector<std::size_t> indices = front_of(front);

@@ -14,10 +14,11 @@
 #include "optimizer/problem/goal.h"
 #include "optimizer/problem/trial.h"
 #include "optimizer/search/expectations.h"
+#include "optimizer/search/expected_limits.h"
 
 namespace glint {
 
-/// The front of feasible designs; empty where there is none. Limits are judged by what was seen.
+/// The front of feasible designs (is_likely_feasible()); empty where there is none.
 struct TradeOff {
   std::vector<int> trials;                 ///< numbers, in the order of asking
   std::vector<std::vector<double>> front;  ///< objectives of each
@@ -43,28 +44,31 @@ std::vector<double> reference_of(const Goal& goal, std::span<const Trial> design
 /// @param reference  one number per objective; empty: that of the trials themselves
 /// @param expected   what counts instead of the scores; a trial without any is not on the front.
 ///                   Empty: there is no model
+/// @param limits     what is expected of them; empty: they are judged by what was seen
 TradeOff trade_off(const Goal& goal,
                    std::span<const Trial> trials,
                    const std::vector<double>& reference,
-                   const Expectations& expected = {});
-
-/// The best one as it was seen; empty: none succeeded.
-std::optional<Trial> best_seen(const Goal& goal, std::span<const Trial> trials);
+                   const Expectations& expected = {},
+                   const LimitExpectations& limits = {});
 
 /// The feasible trial whose one objective is expected to be the best, where a model smooths what
 /// evaluations with noise have shown; of equal ones the first. Empty: there is none.
 /// @param told      numbers of trials in the order of telling; one may be told again
 /// @param expected  a row for each of them: Algorithm::expected_objectives(); empty: no model
+/// @param limits    as of trade_off()
 std::optional<int> expected_best(const Goal& goal,
                                  std::span<const Trial> trials,
                                  std::span<const int> told,
-                                 std::span<const std::vector<Expectation>> expected);
+                                 std::span<const std::vector<Expectation>> expected,
+                                 const LimitExpectations& limits = {});
 
-/// Hypervolume after each evaluated trial, in their order. @param expected  as of trade_off()
+/// Hypervolume after each evaluated trial, in their order. @param expected, limits  as of
+/// trade_off()
 std::vector<double> hypervolume_history(const Goal& goal,
                                         std::span<const Trial> trials,
                                         const std::vector<double>& reference,
-                                        const Expectations& expected = {});
+                                        const Expectations& expected = {},
+                                        const LimitExpectations& limits = {});
 
 /// The reference that a search has recorded; empty: none yet.
 std::vector<double> recorded_reference(std::span<const Event> events);

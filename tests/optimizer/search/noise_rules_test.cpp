@@ -2,9 +2,11 @@
 //
 // Where rules 6 take noise into account and earlier ones do not: what counts as a gain of
 // hypervolume and as reaching a target, and what models know of intervals. Where rules 7 do: what
-// the front of several objectives is made of.
+// the front of several objectives is made of. Where rules 8 do: when another target is looked at.
+#include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -102,6 +104,77 @@ TEST(NoiseRules, ASearchThatIsCutUpReachesItsTargetWhereAWholeOneDoes) {
   EXPECT_EQ(result.termination, expected.termination);
   EXPECT_EQ(result.evaluations, expected.evaluations);
   EXPECT_EQ(test::events_and_points(cut), test::events_and_points(whole));
+}
+
+/// The last of 40 evaluations is unlucky, so that it is far from what is expected of the best.
+SearchResult search_with_bad_end(const TemporaryFolder& folder,
+                                 std::optional<double> target,
+                                 int rules) {
+  const SearchTask task = {.space = test::box(2, 0, 1),
+                           .settings = {.algorithm = "gp", .is_noisy = true, .rules = rules},
+                           .goal = {.objective = {.name = "gain"}},
+                           .budget = {.evaluations = 40, .target = target}};
+  return test::search_into(folder, task, [](const Point& p, int trial) {
+    const double hill = 5.0 - 8.0 * (std::pow(p[0] - 0.3, 2) + std::pow(p[1] - 0.6, 2));
+    return Outcome{.scores = {{"gain", trial == 40 ? 3.0 : hill}, {"gain.error", 0.05}}};
+  });
+}
+
+/// What the best design of such a search was seen to have and is expected to.
+double surely_reached(const SearchResult& found) {
+  const double expected = found.expected.at(found.best->number).front().mean;
+  return std::min(expected, found.best->outcome->scores.at("gain")) - 1e-9;
+}
+
+/// By rules 7 with the next design that is seen to reach it, or the next model.
+TEST(NoiseRules, ATargetThatIsEasedEndsTheRunAtOnceWhereItIsExpectedAlready) {
+  for (const std::optional<double> first : {std::optional(9.0), std::optional<double>()}) {
+    const TemporaryFolder folder;
+    const SearchResult before = search_with_bad_end(folder, first, kSearchRules);
+    ASSERT_EQ(before.termination, Termination::kEvaluations);
+    const double eased = surely_reached(before);
+    ASSERT_GT(eased, 3.0);
+    const SearchResult resumed = search_with_bad_end(folder, eased, kSearchRules);
+    EXPECT_EQ(resumed.termination, Termination::kTarget);
+    EXPECT_EQ(resumed.evaluations, 40);
+    EXPECT_TRUE(resumed.warnings.empty());
+  }
+  const TemporaryFolder earlier;
+  const double eased = surely_reached(search_with_bad_end(earlier, 9.0, 7));
+  EXPECT_EQ(search_with_bad_end(earlier, eased, 7).termination, Termination::kEvaluations);
+}
+
+TEST(NoiseRules, ATargetThatIsEasedToWhatOneLuckyEvaluationHasDoesNotEndTheRun) {
+  const TemporaryFolder folder;
+  search_for(folder, 9.0, 3.0, 20, kSearchRules);
+  const SearchResult resumed = search_for(folder, 7.5, 3.0, 20, kSearchRules);
+  EXPECT_EQ(resumed.termination, Termination::kEvaluations);
+  EXPECT_EQ(resumed.target_questions, 1) << "at once";
+}
+
+std::vector<double> noted_targets(const TemporaryFolder& folder) {
+  std::vector<double> targets;
+  for (const Event& event : Storage::read(folder / "s.sqlite").events()) {
+    if (event.kind == EventKind::kNote && !event.objectives.empty()) {
+      targets.push_back(event.objectives.front());
+    }
+  }
+  return targets;
+}
+
+/// Before the next design is asked, so that a run that is stopped before looks at it again.
+TEST(NoiseRules, TheLogTellsWithWhichTargetARunGoesOn) {
+  const TemporaryFolder folder;
+  search_with_bad_end(folder, 9.0, kSearchRules);
+  EXPECT_THAT(noted_targets(folder), testing::ElementsAre(9.0));
+  search_with_bad_end(folder, 8.0, kSearchRules);
+  EXPECT_THAT(noted_targets(folder), testing::ElementsAre(9.0)) << "nothing was asked";
+  const TemporaryFolder without;
+  search_with_bad_end(without, std::nullopt, kSearchRules);
+  EXPECT_TRUE(noted_targets(without).empty());
+  const TemporaryFolder earlier;
+  search_with_bad_end(earlier, 9.0, 7);
+  EXPECT_TRUE(noted_targets(earlier).empty());
 }
 
 std::vector<Point> asked_with_interval(double half, int rules) {

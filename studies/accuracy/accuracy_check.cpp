@@ -207,7 +207,10 @@ bool adopt_winner(const Study& study,
   const auto trial = std::ranges::find(trials, *check.winner, &Trial::number);
   const auto design = std::ranges::find(check.designs, *check.winner, &CheckedDesign::trial);
   search.best = *trial;
-  search.is_feasible = is_feasible(study.goal, design->dearer.scores);
+  if (is_other || !search.judged_limits) {
+    search.is_feasible = is_feasible(study.goal, design->dearer.scores);
+    search.judged_limits.reset();
+  }
   return is_other;
 }
 

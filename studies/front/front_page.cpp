@@ -112,16 +112,15 @@ int drop_thumbnails(Json& data, std::size_t max_bytes) {
   return dropped;
 }
 
-/// The database holds what was seen, not what a model expected of it.
-void take_expected_front(const Json& result, Json& front) {
+/// The database holds what was seen, not what a model expected of it. @param kept  kOfExpected
+void take_front_of_run(const Json& result, const Json& kept, Json& front) {
   front["designs"] = result["front"];
   for (const char* name : {"hypervolume", "reference", "chosen"}) {
     front[name] = result[name];
   }
   for (const char* name : kOfExpected) {
-    front[name] = result["front_expected"][name];
+    front[name] = kept[name];
   }
-  front["is_expected"] = true;
 }
 
 }  // namespace
@@ -131,7 +130,10 @@ void add_front_to_page(const fs::path& run,
                        const Closeups& closeups,
                        Json& front) {
   if (result.contains("front_expected")) {
-    take_expected_front(result, front);
+    take_front_of_run(result, result["front_expected"], front);
+    front["is_expected"] = true;
+  } else if (result.contains("front_likely")) {
+    take_front_of_run(result, result["front_likely"], front);
   }
   for (Json& design : front["designs"]) {
     for (const Json& told : result.value("front", Json::array())) {

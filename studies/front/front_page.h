@@ -17,7 +17,9 @@ namespace glint {
 /// What a page with a front may take.
 inline constexpr std::size_t kMaxPageBytes = 30'000'000;
 
-/// Of a front of expected values, what `front_expected` of result.json keeps for its page.
+/// Of a front that the database alone does not tell, what result.json keeps for its page: under
+/// `front_expected` of expected values, under `front_likely` of values as they were seen of designs
+/// that models expect to keep the limits.
 inline constexpr std::array<const char*, 4> kOfExpected = {
     "noise", "outside", "history", "noise_history"};
 
@@ -28,7 +30,7 @@ using Closeups = std::function<nlohmann::ordered_json(const std::filesystem::pat
 /// Adds to a front what the run has found with fresh seeds (add_rescored(), judge_front(); its
 /// summary as `rescored`), and to each design what its folder holds: `aspect` or `thumbnail`
 /// (base64 PNG), `drawing` (SVG), `closeups` and `notes` as in studies/report/report.h. A design
-/// without a folder has none of these. Where the run had its front of expected values, it is that
+/// without a folder has none of these. Where models of the run had a say in its front, it is that
 /// front.
 /// @param result  the object of the run's result.json
 /// @param front   of plan_front(), as the database tells it

@@ -68,9 +68,10 @@ void add_front_to_result(const Json& front, Json& result) {
   for (const char* name : {"hypervolume", "reference", "chosen"}) {
     result[name] = front[name];
   }
-  if (front.contains("is_expected")) {
+  if (front.contains("is_expected") || front.contains("is_likely")) {
+    const char* kept = front.contains("is_expected") ? "front_expected" : "front_likely";
     for (const char* name : kOfExpected) {
-      result["front_expected"][name] = front[name];
+      result[kept][name] = front[name];
     }
   }
 }

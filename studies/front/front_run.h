@@ -37,8 +37,8 @@ struct FrontTask {
 };
 
 /// What result.json tells of a search with several objectives: objectives, front, hypervolume,
-/// reference, chosen; of a front of expected values front_expected, kOfExpected of it, which the
-/// database alone does not tell. @param front  front_json(); null: there is one objective
+/// reference, chosen; where the database alone does not tell it front_expected or front_likely,
+/// kOfExpected of it. @param front  front_json(); null: there is one objective
 void add_front_to_result(const nlohmann::ordered_json& front, nlohmann::ordered_json& result);
 
 /// Writes the folders of the front's designs and adds to them, in `front` and in `result`, what

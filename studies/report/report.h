@@ -24,6 +24,8 @@
 //       run           in a comparison, the title of the run it comes from
 //       trial         number of its evaluation
 //       feasible      true, false, or absent when there are no constraints
+//       limits        by what feasible is judged under noise, absent: by what was seen; see
+//                     limits_json() of studies/run/search_race.h
 //       scores        { score: number } with the seeds of the search
 //       repeated      { score: [numbers] } of scans with other noise, the same for all designs
 //       defects       [ { label, width_px } ]

@@ -223,7 +223,10 @@ Verdict verdict_of_closest(const Json& data, const Json& closest, const Wording&
   const double value = *wording.value(closest);
   verdict.say(
       "no_feasible",
-      fmt::format("No design meets every constraint. The closest one reaches {} {}{}.",
+      fmt::format("{} reaches {} {}{}.",
+                  member(closest, "limits").is_object()
+                      ? "No design is expected to meet every constraint. The most likely one"
+                      : "No design meets every constraint. The closest one",
                   wording.label(),
                   wording.text(value),
                   comparisons(rivals_in(member(data, "designs"), wording), wording, value)));

@@ -21,6 +21,7 @@ namespace glint {
 ///   compromise          several objectives: what the chosen design reaches, and why it was chosen
 ///   limits_met          of the design the verdict is about
 ///   limit_failed        one for each limit that a design misses
+///   limits_unlikely     under noise: that design keeps the limits with a probability below a half
 ///   no_feasible         a search without a design that meets every limit
 ///   all_failed          no evaluation succeeded
 ///   ranked              designs without a search, in the order of the objective

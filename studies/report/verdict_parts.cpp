@@ -15,6 +15,37 @@ namespace glint::report_detail {
 
 using Json = nlohmann::ordered_json;
 
+namespace {
+
+/// Under noise, by what is expected of the limited scores. @param limits  of the design
+void say_expected_limits(const Json& data, const Json& limits, bool is_feasible, Verdict& verdict) {
+  const std::size_t count = member(data, "constraints").size();
+  const std::string text =
+      fmt::format("By {} it keeps {} with a probability of {:.0f} %",
+                  text_of(limits, "by") == "replicates" ? "its replicates" : "the search's model",
+                  count == 1   ? "the constraint"
+                  : count == 2 ? "both constraints"
+                               : fmt::format("all {} constraints", count),
+                  std::floor(100.0 * number_of(limits, "probability").value_or(0.0)));
+  if (is_feasible) {
+    verdict.say("limits_met", text + ".");
+    return;
+  }
+  verdict.say("limits_unlikely", text + " only.");
+  for (const Json& constraint : member(data, "constraints")) {
+    const std::string name = text_of(constraint, "name");
+    const Wording wording(data, name, true);
+    const auto value = number_of(member(member(limits, "scores"), name.c_str()), "value");
+    if (value && !meets(constraint, value)) {
+      verdict.say("limit_failed",
+                  fmt::format("It is expected to miss a limit: {}.",
+                              missed_text(constraint, wording, *value)));
+    }
+  }
+}
+
+}  // namespace
+
 void Verdict::add(std::vector<Finding> more) {
   std::ranges::move(more, std::back_inserter(details));
 }
@@ -40,6 +71,10 @@ void say_limits(const Json& data, const Json& design, Verdict& verdict) {
   const std::size_t count = member(data, "constraints").size();
   const Json& feasible = member(design, "feasible");
   if (count == 0 || !feasible.is_boolean()) {
+    return;
+  }
+  if (const Json& limits = member(design, "limits"); limits.is_object()) {
+    say_expected_limits(data, limits, feasible.get<bool>(), verdict);
     return;
   }
   if (feasible.get<bool>()) {

@@ -17,7 +17,6 @@
 #include "core/wall_clock.h"
 #include "studies/accuracy/accurate_search.h"
 #include "studies/definition/study_text.h"
-#include "studies/front/front_designs.h"
 #include "studies/front/front_files.h"
 #include "studies/front/front_run.h"
 #include "studies/output/output_folder.h"
@@ -225,9 +224,7 @@ class Run {
     if (!study_.has_objective) {
       return json;
     }
-    if (!study_.goal.constraints.empty()) {
-      json["feasible"] = is_feasible(study_.goal, scores_from_json(json["scores"]));
-    }
+    judge_limits(study_.goal, race_, key, json);
     if (!is_interrupted_ && is_repeated) {
       const double start = process_cpu_s();
       json["repeated"] = repeated_scores(
@@ -311,10 +308,12 @@ class Run {
     const char* title = search.is_feasible ? "Winner of the search" : "Closest to the limits";
     Json winner_head = head(title, "winner", variables);
     winner_head["trial"] = search.best->number;
+    add_judged_limits(study_.goal, search, winner_head);
     const Json winner =
         write("winner", scene_with(study_, overrides_of(study_, search.best->point)), winner_head);
     result["best"] = {
         {"trial", search.best->number}, {"variables", variables}, {"scores", winner["scores"]}};
+    add_judged_limits(study_.goal, search, result["best"]);
     if (!front_.is_null() && !is_interrupted_) {
       add_front(storage, winner, result);
     }

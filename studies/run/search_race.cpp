@@ -2,6 +2,7 @@
 #include "studies/run/search_race.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 #include "metrics/statistics/told_value.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/search/final_race.h"
+#include "studies/front/front_designs.h"
 #include "studies/report/report_wording.h"
 #include "studies/run/repeated_scores.h"
 #include "studies/run/study_search.h"
@@ -71,7 +73,8 @@ std::vector<NamedEntrant> entrants_of(const Study& study,
                     search.expected,
                     search.best->number,
                     static_cast<std::size_t>(num_finalists(study, search.evaluations)),
-                    kinds_in_race(study, search))) {
+                    kinds_in_race(study, search),
+                    search.limits)) {
     const Point& point = trials[static_cast<std::size_t>(number - 1)].point;
     has_baseline = has_baseline || point == canonical(study.space, baseline_point(study));
     all.push_back(
@@ -93,6 +96,17 @@ std::vector<NamedEntrant> entrants_of(const Study& study,
   return all;
 }
 
+/// Also scores that noise does not change, where the goal names them: without them no replicate
+/// could be judged.
+WantedScores wanted_in_race(const Study& study) {
+  const WantedScores by_goal = wanted_by(study.goal);
+  WantedScores wanted = wanted_of_repeats(study);
+  wanted.coverage = by_goal.coverage;
+  wanted.reach = by_goal.reach;
+  wanted.lighting = by_goal.lighting;
+  return wanted;
+}
+
 std::vector<double> values_of(const std::vector<Scores>& scans, const std::string& score) {
   std::vector<double> values;
   std::ranges::transform(
@@ -103,6 +117,31 @@ std::vector<double> values_of(const std::vector<Scores>& scans, const std::strin
 /// Standard error of one evaluation, of what the score tells.
 double told_error(const Objective& objective, const Scores& scores) {
   return objective_noise(objective, scores) / kErrorsPerHalfWidth;
+}
+
+/// The mean and its standard error, 0 of one value.
+Expectation mean_with_error(const std::vector<double>& values) {
+  const auto count = static_cast<double>(values.size());
+  Expectation found;
+  for (const double value : values) {
+    found.mean += value / count;
+  }
+  double squares = 0.0;
+  for (const double value : values) {
+    squares += (value - found.mean) * (value - found.mean);
+  }
+  found.sd = values.size() > 1 ? std::sqrt(squares / (count * (count - 1.0))) : 0.0;
+  return found;
+}
+
+/// Of the means of a racer's replicates, with their standard errors.
+JudgedLimits limits_by_replicates(const Racer& racer, const Goal& goal) {
+  JudgedLimits judged{.expected = {.probability = *racer.feasible_chance, .scores = {}},
+                      .is_raced = true};
+  for (const Constraint& constraint : goal.constraints) {
+    judged.expected.scores.push_back(mean_with_error(values_of(racer.replicates, constraint.name)));
+  }
+  return judged;
 }
 
 std::optional<ModelledScore> expectation_of(const SearchResult& search, int trial) {
@@ -138,6 +177,9 @@ void add_raced(const Study& study, const Racer& racer, double error, Json& row) 
     row["high"] = value.high;
   }
   row["keeps_limits"] = racer.keeps_limits;
+  if (racer.feasible_chance) {
+    row["limits"] = limits_json(study.goal, limits_by_replicates(racer, study.goal));
+  }
   row["given_up"] = racer.is_given_up;
   row["probability"] = racer.probability;
 }
@@ -192,6 +234,15 @@ std::string share_text(const Json& row) {
              : fmt::format("{:.0f} %", 100.0 * row["probability"].get<double>());
 }
 
+std::string kept_text(const Json& row) {
+  const std::string text = row["keeps_limits"].get<bool>() ? "yes" : "no";
+  return row.contains("limits")
+             ? fmt::format("{} ({:.0f} %)",
+                           text,
+                           std::floor(100.0 * row["limits"]["probability"].get<double>()))
+             : text;
+}
+
 Json race_table(const Json& race, const Wording& wording) {
   Json rows = Json::array();
   for (const Json& row : race["entrants"]) {
@@ -203,7 +254,7 @@ Json race_table(const Json& race, const Wording& wording) {
                     std::to_string(row["replicates"].get<int>()),
                     figure(row, "value", wording),
                     interval,
-                    row["keeps_limits"].get<bool>() ? "yes" : "no",
+                    kept_text(row),
                     share_text(row)});
   }
   return {{"caption", "The race of the finalists"},
@@ -271,7 +322,7 @@ Json race_finalists(SceneStore& store,
   const std::vector<NamedEntrant> named = entrants_of(study, trials, search);
   std::vector<Entrant> entrants;
   std::ranges::transform(named, std::back_inserter(entrants), &NamedEntrant::entrant);
-  const WantedScores wanted = wanted_of_repeats(study);
+  const WantedScores wanted = wanted_in_race(study);
   const auto evaluate = [&](const Entrant& entrant, int replicate) {
     const auto index = static_cast<std::size_t>(
         std::ranges::find(entrants, entrant.key, &Entrant::key) - entrants.begin());
@@ -279,14 +330,19 @@ Json race_finalists(SceneStore& store,
     return repeated_scan(
         store, first_view(store, named[index].scene), wanted, kRepeatedScans + replicate);
   };
+  const RaceLimits limits = search.rules > 7 ? RaceLimits::kByChance : RaceLimits::kByMeans;
   const std::optional<FinalRace> race =
-      run_final_race(study.goal, entrants, storage, evaluate, interrupt);
+      run_final_race(study.goal, entrants, storage, evaluate, interrupt, limits);
   if (!race) {
     return nullptr;
   }
   Json json = race_json(study, trials, search, named, *race);
   const int best = entrants[race->best].trial;
   search.best = trials[static_cast<std::size_t>(best - 1)];
+  if (const Racer& winner = race->racers[race->best]; winner.feasible_chance) {
+    search.is_feasible = winner.keeps_limits;
+    search.judged_limits = limits_by_replicates(winner, study.goal);
+  }
   Json chances = Json::array();
   for (const Json& row : json["entrants"]) {
     chances.push_back(
@@ -294,6 +350,38 @@ Json race_finalists(SceneStore& store,
   }
   json["probability_best"] = std::move(chances);
   return json;
+}
+
+Json limits_json(const Goal& goal, const JudgedLimits& judged) {
+  Json scores = Json::object();
+  for (std::size_t i = 0; i < goal.constraints.size(); ++i) {
+    const Expectation& score = judged.expected.scores.at(i);
+    scores[goal.constraints[i].name] = {{"value", score.mean}, {"sd", score.sd}};
+  }
+  return {{"probability", judged.expected.probability},
+          {"by", judged.is_raced ? "replicates" : "model"},
+          {"scores", scores}};
+}
+
+void add_judged_limits(const Goal& goal, const SearchResult& search, Json& best) {
+  if (search.judged_limits) {
+    best["feasible"] = search.is_feasible;
+    best["limits"] = limits_json(goal, *search.judged_limits);
+  }
+}
+
+void judge_limits(const Goal& goal, const Json& race, const std::string& key, Json& design) {
+  if (goal.constraints.empty() || design.contains("feasible")) {
+    return;
+  }
+  for (const Json& row : race.is_object() ? race["entrants"] : Json::array()) {
+    if (row["key"] == key && row.contains("limits")) {
+      design["feasible"] = row["keeps_limits"];
+      design["limits"] = row["limits"];
+      return;
+    }
+  }
+  design["feasible"] = is_feasible(goal, scores_from_json(design["scores"]));
 }
 
 Json told_winner(const Study& study, const SearchResult& search, const Json& winner) {

@@ -6,7 +6,7 @@
 #pragma once
 
 #include <atomic>
-#include <optional>
+#include <string>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -24,13 +24,14 @@ bool has_race(const Study& study, const SearchResult& search);
 int likely_replicates(const Study& study, int evaluations);
 
 /// Races the finalists of a search, its prototypes, and its baseline where it is no finalist. The
-/// best finalist becomes the search's best.
+/// best finalist becomes the search's best; by search rules 8 its replicates judge the limits.
 ///
 /// @return { finalists, replicates: of a design at most, evaluations, searched: the search's own
 ///         best trial, entrants: [ { key: "winner" | "trial_017" | "baseline" | a prototype's name,
 ///         title, trial, variables (of finalists), searched, expected, expected_sd (where a model
 ///         knows them), replicates, value, low, high: mean and 95 % interval of the objective,
-///         keeps_limits, given_up, probability } ], the most probable first; probability_best: [ {
+///         keeps_limits, limits: limits_json() (by search rules 8, where there are any), given_up,
+///         probability } ], the most probable first; probability_best: [ {
 ///         key, title, probability } ] }; null: interrupted
 /// @throws IoError
 nlohmann::ordered_json race_finalists(SceneStore& store,
@@ -38,6 +39,24 @@ nlohmann::ordered_json race_finalists(SceneStore& store,
                                       Storage& storage,
                                       SearchResult& search,
                                       const std::atomic<int>* interrupt);
+
+/// By what the limits of a design are judged under noise: { probability: that all hold, by: "model"
+/// | "replicates", scores: { name: { value, sd } } of what is limited, sd the standard deviation of
+/// what is expected or the standard error of the mean of the replicates }.
+nlohmann::ordered_json limits_json(const Goal& goal, const JudgedLimits& judged);
+
+/// To the object of a search's best design: limits, and whether it is feasible by them. Nothing
+/// where limits are judged by what was seen.
+void add_judged_limits(const Goal& goal, const SearchResult& search, nlohmann::ordered_json& best);
+
+/// To a written design, where there are limits and it does not tell yet: feasible, and limits where
+/// it raced and its replicates judged them; else by its scores.
+/// @param race    race_finalists() or null
+/// @param design  an object of scores.json
+void judge_limits(const Goal& goal,
+                  const nlohmann::ordered_json& race,
+                  const std::string& key,
+                  nlohmann::ordered_json& design);
 
 /// What is told of the winner of one noisy objective: { score, seen: by the search, expected,
 /// expected_sd (where a model knows them), value, low, high: told_value() of its repeated scans };

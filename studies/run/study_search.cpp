@@ -22,6 +22,7 @@
 #include "studies/front/front_designs.h"
 #include "studies/imaging/searched/searched_scene.h"
 #include "studies/run/design_files.h"
+#include "studies/run/search_race.h"
 
 namespace glint {
 namespace {
@@ -84,7 +85,8 @@ void take_expected(const Study& study, const std::vector<Expectation>& row, Json
 Json noise_history(const Study& study,
                    const std::vector<Trial>& trials,
                    const std::vector<double>& reference,
-                   const Expectations& of_front) {
+                   const SearchResult& search) {
+  const Expectations of_front = search.of_front();
   std::vector<Trial> done;
   std::ranges::copy_if(trials, std::back_inserter(done), [](const Trial& trial) {
     return trial.outcome.has_value();
@@ -96,7 +98,7 @@ Json noise_history(const Study& study,
   Json list = Json::array();
   for (const std::size_t place : places) {
     const auto first = std::span<const Trial>(done).first(place);
-    list.push_back({place, trade_off(study.goal, first, reference, of_front).noise});
+    list.push_back({place, trade_off(study.goal, first, reference, of_front, search.limits).noise});
   }
   return list;
 }
@@ -105,6 +107,7 @@ Json noise_history(const Study& study,
 struct Judged {
   const Expectations& expected;
   int winner = 0;
+  const LimitExpectations& limits;
 };
 
 /// The best of some trials; of several objectives the compromise of their front.
@@ -115,19 +118,20 @@ const Trial* best_of(const Study& study,
   if (front && !front->trials.empty()) {
     return &*std::ranges::find(trials, front->trials[front->chosen], &Trial::number);
   }
-  const std::vector<int> feasible =
-      front ? std::vector<int>{}
-            : finalists_of(study.goal, study.space, trials, judged.expected, judged.winner, 1);
+  const std::vector<int> feasible = front ? std::vector<int>{}
+                                          : finalists_of(study.goal,
+                                                         study.space,
+                                                         trials,
+                                                         judged.expected,
+                                                         judged.winner,
+                                                         1,
+                                                         std::nullopt,
+                                                         judged.limits);
   if (!feasible.empty()) {
     return &*std::ranges::find(trials, feasible.front(), &Trial::number);
   }
-  const Trial* best = nullptr;
-  for (const Trial& trial : trials) {
-    if (best == nullptr || is_better(study.goal, trial.outcome->scores, best->outcome->scores)) {
-      best = &trial;
-    }
-  }
-  return best;
+  const std::optional<Trial> best = most_likely_feasible(study.goal, trials, judged.limits);
+  return best ? &*std::ranges::find(trials, best->number, &Trial::number) : nullptr;
 }
 
 /// Those that succeeded with that value of a variable.
@@ -171,7 +175,7 @@ std::optional<KindFinalist> finalist_of(SceneStore& store,
                                         const Judged& judged) {
   KindFinalist finalist;
   if (has_several_objectives(study.goal)) {
-    finalist.front = trade_off(study.goal, of_kind, reference, judged.expected);
+    finalist.front = trade_off(study.goal, of_kind, reference, judged.expected, judged.limits);
   }
   const Trial* best = best_of(study, of_kind, finalist.front, judged);
   std::optional<Scores> fresh =
@@ -238,7 +242,8 @@ std::vector<KindFinalist> kind_finalists(SceneStore& store,
                                          const Judged& judged) {
   const bool is_front = has_several_objectives(study.goal);
   const TradeOff whole =
-      is_front ? trade_off(study.goal, trials, reference, judged.expected) : TradeOff{};
+      is_front ? trade_off(study.goal, trials, reference, judged.expected, judged.limits)
+               : TradeOff{};
   const std::vector<std::string>& choices = study.space.variables[use].choices;
   std::vector<KindFinalist> finalists;
   for (std::size_t kind = 0; kind < choices.size(); ++kind) {
@@ -294,7 +299,7 @@ Json front_json(const Study& study, const Storage& storage, const SearchResult& 
   const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
   const Expectations of_front = search.of_front();
   const TradeOff found =
-      trade_off(study.goal, trials, recorded_reference(storage.events()), of_front);
+      trade_off(study.goal, trials, recorded_reference(storage.events()), of_front, search.limits);
   const std::vector<double> reference = in_score_units(study.goal, found.reference);
   const std::vector<Objective> objectives = objectives_of(study.goal);
   Json json = {{"objectives", Json::array()}, {"designs", Json::array()}};
@@ -311,6 +316,9 @@ Json front_json(const Study& study, const Storage& storage, const SearchResult& 
   for (const int number : found.trials) {
     const Trial& trial = trials[static_cast<std::size_t>(number - 1)];
     json["designs"].push_back(design_of_front(study, trial));
+    if (const auto known = search.limits.find(number); known != search.limits.end()) {
+      json["designs"].back()["limits"] = limits_json(study.goal, {.expected = known->second});
+    }
     const auto row = search.expected.find(number);
     if (row == search.expected.end()) {
       continue;
@@ -322,8 +330,9 @@ Json front_json(const Study& study, const Storage& storage, const SearchResult& 
   }
   json["hypervolume"] = found.hypervolume;
   json["noise"] = found.noise;
-  json["history"] = hypervolume_history(study.goal, trials, found.reference, of_front);
-  json["noise_history"] = noise_history(study, trials, found.reference, of_front);
+  json["history"] =
+      hypervolume_history(study.goal, trials, found.reference, of_front, search.limits);
+  json["noise_history"] = noise_history(study, trials, found.reference, search);
   json["reference"] = at;
   json["outside"] = found.outside;
   json["chosen"] = nullptr;
@@ -334,6 +343,9 @@ Json front_json(const Study& study, const Storage& storage, const SearchResult& 
   }
   if (found.is_expected) {
     json["is_expected"] = true;
+  }
+  if (!search.limits.empty()) {
+    json["is_likely"] = true;
   }
   plan_front(study.goal, json);
   return json;
@@ -385,7 +397,8 @@ Json best_of_each_kind(SceneStore& store,
                        const std::vector<Trial>& trials,
                        const std::vector<double>& reference,
                        const Expectations& expected,
-                       int winner) {
+                       int winner,
+                       const LimitExpectations& limits) {
   const std::vector<Variable>& variables = study.space.variables;
   const auto found = std::ranges::find(variables, "lighting_use", &Variable::name);
   if (found == variables.end()) {
@@ -397,7 +410,7 @@ Json best_of_each_kind(SceneStore& store,
                      trials,
                      static_cast<std::size_t>(found - variables.begin()),
                      reference,
-                     {.expected = expected, .winner = winner});
+                     {.expected = expected, .winner = winner, .limits = limits});
   sort_kinds(study.goal, finalists);
   Json kinds = Json::array();
   std::ranges::transform(finalists, std::back_inserter(kinds), [&](const KindFinalist& finalist) {
@@ -417,7 +430,8 @@ Json kinds_of_search(SceneStore& store,
                            has_several_objectives(study.goal) ? search.of_front()
                            : study.search.is_noisy            ? search.expected
                                                               : Expectations{},
-                           search.best->number);
+                           search.best->number,
+                           search.limits);
 }
 
 }  // namespace glint

@@ -40,10 +40,12 @@ nlohmann::ordered_json baseline_variables_json(const Study& study);
 ///   designs      the front, [ { trial, variables, scores: { name: value } of objectives and
 ///                limited scores, errors: { name: standard error } of those objectives that have
 ///                one, expected: { name: { value, sd } } of those that noise moves and a model
-///                knows, searched: { name: value } where is_expected,
+///                knows, searched: { name: value } where is_expected, limits: limits_json() where
+///                a model judges them,
 ///                contribution, shown, folder: see plan_front() } ]
 ///   is_expected  true where the front is of what is expected (SearchResult::of_front()): scores
 ///                of objectives are that, and `searched` is what was seen; else absent
+///   is_likely    true where models judge the limits; else absent
 ///   hypervolume, noise   and half the width of its interval (TradeOff)
 ///   history      hypervolume after each evaluation
 ///   noise_history  [ [evaluations, noise] ] at some of them
@@ -65,6 +67,7 @@ nlohmann::ordered_json front_json(const Study& study,
 /// @param reference  of several objectives: recorded_reference(); empty: that of the trials
 /// @param expected   of noisy objectives, by which the best is taken; empty: by what was seen
 /// @param winner     the number of the search's best trial, which stands for its kind; 0: none
+/// @param limits     what is expected of them; empty: limits are judged by what was seen
 /// @return [ { lighting_use, trial, variables, scores: as the search saw them, rescored: { .. },
 ///           feasible: whether the rescored ones keep all limits, of several objectives
 ///           hypervolume: of the kind's own front, and on_front: how many designs of the whole
@@ -77,7 +80,8 @@ nlohmann::ordered_json best_of_each_kind(SceneStore& store,
                                          const std::vector<Trial>& trials,
                                          const std::vector<double>& reference = {},
                                          const Expectations& expected = {},
-                                         int winner = 0);
+                                         int winner = 0,
+                                         const LimitExpectations& limits = {});
 
 /// best_of_each_kind() of a search that has ended. @param search  with a best trial
 nlohmann::ordered_json kinds_of_search(SceneStore& store,

@@ -13,6 +13,7 @@
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "studies/front/front_page.h"
+#include "studies/front/front_run.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -213,6 +214,40 @@ TEST(LimitSequences, DropsTheSmallPicturesThatMatterLeastWhereFramesAreNotEnough
   EXPECT_EQ(kept, 4);
   EXPECT_NE(data["methods"].back().get<std::string>().find("pictures of 6 designs"),
             std::string::npos);
+}
+
+/// Of two designs that were seen on the front, models expect that the second misses a limit.
+TEST(FrontPage, HasTheFrontOfARunWhoseModelsJudgedTheLimits) {
+  const TemporaryFolder run;
+  const auto made_front = [](const std::vector<int>& trials) {
+    Json front = {{"objectives", Json::array()},
+                  {"designs", Json::array()},
+                  {"hypervolume", 1.0 * static_cast<double>(trials.size())},
+                  {"reference", Json::object()},
+                  {"chosen", {{"trial", trials.front()}}}};
+    for (const char* name : kOfExpected) {
+      front[name] = trials.size();
+    }
+    for (const int trial : trials) {
+      front["designs"].push_back({{"trial", trial}});
+    }
+    return front;
+  };
+  Json of_run = made_front({1});
+  of_run["is_likely"] = true;
+  Json result = Json::object();
+  add_front_to_result(of_run, result);
+  EXPECT_FALSE(result.contains("front_expected"));
+  Json front = made_front({1, 2});
+  add_front_to_page(
+      run.path(), result, [](const auto&, const ImageF&) { return Json::array(); }, front);
+  EXPECT_EQ(front["designs"].size(), 1U);
+  EXPECT_EQ(front["history"], 1);
+  EXPECT_EQ(front["hypervolume"], 1.0);
+  EXPECT_FALSE(front.contains("is_expected"));
+  Json seen = Json::object();
+  add_front_to_result(made_front({1}), seen);
+  EXPECT_FALSE(seen.contains("front_likely"));
 }
 
 TEST(FrontPage, NamesScoresThatWereCutShort) {

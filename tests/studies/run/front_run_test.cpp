@@ -132,6 +132,8 @@ TEST(FrontRun, OfNoisyObjectivesTheFrontIsOfWhatTheModelExpects) {
     EXPECT_EQ(expected.size(), 2U);
     EXPECT_FALSE(expected.contains("lighting.width_mm"));
     EXPECT_GT(expected.at("homogeneity.h_rms").at("sd").get<double>(), 0.0);
+    EXPECT_GE(design.at("limits").at("probability").get<double>(), 0.5);
+    EXPECT_TRUE(design.at("limits").at("scores").contains("homogeneity.clipped_share"));
     const Scores& seen =
         trials[static_cast<std::size_t>(design.at("trial").get<int>() - 1)].outcome->scores;
     for (const char* name : {"homogeneity.h_rms", "defects.min_cnr"}) {
@@ -146,6 +148,9 @@ TEST(FrontRun, OfNoisyObjectivesTheFrontIsOfWhatTheModelExpects) {
   const Json calm = run_into(folder, "calm", 12);
   EXPECT_FALSE(calm.at("front")[0].contains("expected"));
   EXPECT_FALSE(calm.at("front")[0].contains("searched"));
+  EXPECT_FALSE(calm.at("front")[0].contains("limits"));
+  EXPECT_EQ(result.at("best").at("limits").at("by"), "model");
+  EXPECT_FALSE(calm.at("best").contains("limits"));
   EXPECT_FALSE(calm.contains("front_expected"));
 }
 

@@ -52,9 +52,11 @@ Json run_noisy(const TemporaryFolder& folder,
                     .interrupt = interrupt});
 }
 
+/// The limit is of a score that noise does not move and that no scan of a winner repeats.
 TEST(SearchRace, ChoosesTheWinnerOfANoisySearch) {
   const TemporaryFolder folder;
-  const Json result = run_noisy(folder, "out");
+  const Json result = run_noisy(
+      folder, "out", kNoisyRing + "[constraints]\n\"lighting.width_mm\" = { max = 1000 }\n");
   const Json& race = result.at("race");
   EXPECT_EQ(race.at("finalists"), 2);
   double sum = 0.0;
@@ -71,6 +73,15 @@ TEST(SearchRace, ChoosesTheWinnerOfANoisySearch) {
   EXPECT_EQ(winner->at("trial"), result.at("best").at("trial"));
   EXPECT_EQ(winner->at("replicates"), 8);
   EXPECT_GT(winner->at("expected_sd").get<double>(), 0.0);
+  EXPECT_EQ(winner->at("limits").at("probability"), 1.0);
+  EXPECT_EQ(winner->at("keeps_limits"), true);
+  const Json& limits = result.at("best").at("limits");
+  EXPECT_EQ(limits.at("by"), "replicates");
+  EXPECT_EQ(limits.at("probability"), 1.0);
+  EXPECT_NEAR(limits.at("scores").at("lighting.width_mm").at("sd").get<double>(), 0.0, 1e-9);
+  EXPECT_EQ(result.at("best").at("feasible"), true);
+  EXPECT_THAT(result.at("verdict").at("sentence").get<std::string>(),
+              HasSubstr("By its replicates it keeps the constraint with a probability of 100 %."));
   const Storage storage = Storage::read(folder / "out/study.sqlite");
   EXPECT_EQ(race.at("evaluations"), storage.trials(TrialKind::kReplicate).size());
   ASSERT_EQ(result.at("probability_best").size(), race.at("entrants").size());
@@ -125,6 +136,31 @@ TEST(SearchRace, IsLeftOutWithoutNoiseOrWhereItIsNotWanted) {
   calm.replace(calm.find("noisy = true"), 12, "noisy = false");
   EXPECT_FALSE(run_noisy(folder, "calm", calm).contains("race"));
   EXPECT_EQ(run_noisy(folder, "asked", calm + "race = 3\n").at("race").at("finalists"), 3);
+}
+
+TEST(JudgeLimits, OfADesignThatRacedIsByItsReplicates) {
+  const Goal goal = {.objective = {.name = "gain"},
+                     .constraints = {{.name = "glare", .min = {}, .max = 1.0}}};
+  const Json limits = {{"probability", 0.3}, {"by", "replicates"}, {"scores", Json::object()}};
+  const Json race = {{"entrants",
+                      Json::array({{{"key", "dome"}, {"keeps_limits", false}, {"limits", limits}},
+                                   {{"key", "bar"}, {"keeps_limits", false}}})}};
+  const Json lucky = {{"scores", {{"glare", 0.9}}}};
+  const auto judged = [&](const Json& by, const std::string& key) {
+    Json design = lucky;
+    judge_limits(goal, by, key, design);
+    return design;
+  };
+  EXPECT_EQ(judged(race, "dome").at("feasible"), false);
+  EXPECT_EQ(judged(race, "dome").at("limits"), limits);
+  EXPECT_EQ(judged(race, "bar").at("feasible"), true) << "a race by rules 7";
+  EXPECT_EQ(judged(Json(), "dome").at("feasible"), true);
+  Json told = {{"feasible", false}, {"scores", {{"glare", 0.9}}}};
+  judge_limits(goal, Json(), "winner", told);
+  EXPECT_EQ(told.at("feasible"), false);
+  Json without = lucky;
+  judge_limits({.objective = {.name = "gain"}, .constraints = {}}, race, "dome", without);
+  EXPECT_FALSE(without.contains("feasible"));
 }
 
 TEST(NoisePanel, WritesScoresAsTheRestOfThePage) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/analysis/surrogate_indices.h"
@@ -23,6 +24,7 @@ struct Data {
   std::vector<Point> points;
   std::vector<double> values;
   std::vector<double> errors;  ///< NaN where not known
+  std::size_t num_trials = 0;  ///< that tell the score
 };
 
 double finite_score(const Scores& scores, const std::string& name) {
@@ -32,18 +34,37 @@ double finite_score(const Scores& scores, const std::string& name) {
              : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// Of a design that was evaluated again: the mean, and its standard error. @param count  with it
+void add_again(Data& data, std::size_t at, double count, double value, double error) {
+  data.values[at] += (value - data.values[at]) / count;
+  data.errors[at] = std::hypot((count - 1.0) * data.errors[at], error) / count;
+}
+
+/// A design counts once, or it would be predicted without itself by what it is told again.
 Data data_of(const SearchSpace& space, std::span<const Trial> trials, const std::string& score) {
   Data data;
+  std::map<Point, std::size_t> place_of;
+  std::vector<double> counts;
   for (const Trial& trial : trials) {
     if (!trial.outcome || trial.outcome->is_failed) {
       continue;
     }
     const double value = finite_score(trial.outcome->scores, score);
-    if (!std::isnan(value)) {
-      data.points.push_back(canonical(space, trial.point));
-      data.values.push_back(value);
-      data.errors.push_back(finite_score(trial.outcome->scores, score + ".error"));
+    if (std::isnan(value)) {
+      continue;
     }
+    ++data.num_trials;
+    const double error = finite_score(trial.outcome->scores, score + ".error");
+    const Point point = canonical(space, trial.point);
+    const auto [place, is_new] = place_of.try_emplace(point, data.points.size());
+    if (!is_new) {
+      add_again(data, place->second, ++counts[place->second], value, error);
+      continue;
+    }
+    data.points.push_back(point);
+    data.values.push_back(value);
+    data.errors.push_back(error);
+    counts.push_back(1.0);
   }
   return data;
 }
@@ -223,7 +244,7 @@ ScoreAnalysis analyse_score(const SearchSpace& space,
   ScoreAnalysis analysis = {.score = score,
                             .points = static_cast<int>(data.points.size()),
                             .left_out = static_cast<int>(all.points.size() - data.points.size()),
-                            .without = static_cast<int>(trials.size() - all.points.size())};
+                            .without = static_cast<int>(trials.size() - all.num_trials)};
   GaussianProcess model(space);
   Question question = {.space = space,
                        .goal = goal,

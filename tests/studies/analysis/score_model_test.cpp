@@ -97,6 +97,34 @@ TEST(AnalyseScore, FindsNoEvidenceInNoise) {
   }
 }
 
+/// As in a space of few designs, where those of --evaluate come again: a score without noise that
+/// nothing explains is told twice, and each telling predicts the other.
+TEST(AnalyseScore, FindsNoEvidenceInDesignsThatWereEvaluatedTwice) {
+  const SearchSpace space = box(2);
+  const auto once = evaluated(space, 40, [](const Point&, int k) { return noise(k); });
+  auto twice = once;
+  twice.insert(twice.end(), once.begin(), once.end());
+  const ScoreAnalysis analysis = analyse_score(space, kGoal, twice, "y");
+  EXPECT_EQ(analysis.points, 40);
+  EXPECT_EQ(analysis.without, 0);
+  EXPECT_FALSE(analysis.branches[0].evidence.is_enough());
+  EXPECT_EQ(analysis.q2, analyse_score(space, kGoal, once, "y").q2);
+}
+
+TEST(AnalyseScore, TakesTheMeanOfADesignThatWasEvaluatedAgain) {
+  const SearchSpace space = box(2);
+  auto trials = evaluated(space, 30, [](const Point& point, int) { return point[0]; });
+  auto again = trials;
+  for (std::size_t k = 0; k < trials.size(); ++k) {
+    trials[k].outcome->scores["y"] += 3.0;
+    again[k].outcome->scores["y"] -= 3.0;
+  }
+  trials.insert(trials.end(), again.begin(), again.end());
+  const ScoreAnalysis analysis = analyse_score(space, kGoal, trials, "y");
+  EXPECT_GT(analysis.q2, 0.98);
+  EXPECT_LT(analysis.noise, 0.5);
+}
+
 // The function is smooth and the model is right about it, but only in one corner.
 TEST(AnalyseScore, FindsNoEvidenceInACorner) {
   const SearchSpace space = box(3);

@@ -12,7 +12,11 @@ namespace glint {
 
 Dashboard::Dashboard(const std::string& host, int port, double timeout_s)
     : link_(host, port, timeout_s), timeout_s_(timeout_s) {
-  line();
+  // Another port might run what is meant as a question: nothing is written to it.
+  if (line().find("Dashboard Server") == std::string::npos) {
+    throw ProtocolError(
+        fmt::format("{}: does not greet as the dashboard of a controller does", link_.peer()));
+  }
 }
 
 std::string Dashboard::ask(const std::string& query) {

@@ -12,7 +12,8 @@ namespace glint {
 /// The dashboard server of a controller.
 class Dashboard {
  public:
-  /// Connects and reads the greeting. @throws IoError
+  /// Connects and reads the greeting, "Connected: Universal Robots Dashboard Server".
+  /// @throws IoError; ProtocolError for another greeting: nothing has been written then
   Dashboard(const std::string& host, int port, double timeout_s);
 
   /// A command that only asks (is_query()). @throws IoError, ProtocolError

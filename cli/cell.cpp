@@ -12,6 +12,7 @@
 #include "cli/cell.h"
 #include "cli/shell/interrupts.h"
 #include "studies/cell/cell_robot.h"
+#include "studies/cell/ready_file.h"
 #include "studies/cell/twin_process.h"
 #include "studies/cell/typed_permit.h"
 #include "studies/cell_camera/cell_camera.h"

@@ -1,9 +1,46 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/robot/ur_settings.h"
 
+#include <algorithm>
+#include <array>
+
 #include <fmt/format.h>
 
 namespace glint {
+namespace {
+
+/// Where controllers run what they are sent: primary, secondary, real-time, interpreter.
+constexpr std::array<int, 4> kScriptPorts = {30001, 30002, 30003, 30020};
+
+}  // namespace
+
+bool takes_scripts(int port) {
+  return std::ranges::find(kScriptPorts, port) != kScriptPorts.end();
+}
+
+std::optional<WrongPort> wrong_port(const UrSettings& settings) {
+  for (const auto& [key, port] : {std::pair("rtde_port", settings.rtde_port),
+                                  std::pair("dashboard_port", settings.dashboard_port)}) {
+    if (takes_scripts(port)) {
+      return WrongPort{.key = key,
+                       .text = fmt::format("is {}, where controllers take programs; what only asks "
+                                           "is written to this port, too",
+                                           port)};
+    }
+    if (port == settings.primary_port || port == settings.secondary_port) {
+      return WrongPort{.key = key,
+                       .text = fmt::format("is {}, as primary_port or secondary_port, which take "
+                                           "programs; must be another one",
+                                           port)};
+    }
+  }
+  if (settings.rtde_port == settings.dashboard_port) {
+    return WrongPort{
+        .key = "dashboard_port",
+        .text = fmt::format("is {}, as rtde_port; must be another one", settings.dashboard_port)};
+  }
+  return std::nullopt;
+}
 
 void visit_keys(KeyVisitor& keys, UrSettings& settings) {
   const Range port = Range::between(1, 65535);
@@ -38,6 +75,9 @@ void visit_keys(KeyVisitor& keys, UrSettings& settings) {
     keys.require(keys.is_given(key), key, "is missing");
   }
   keys.require(!keys.is_given("host") || !settings.host.empty(), "host", "must not be empty");
+  if (const auto wrong = wrong_port(settings)) {
+    keys.require(false, wrong->key, wrong->text);
+  }
 }
 
 Eigen::Isometry3d pose_of_six(const std::vector<double>& six) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/config/keys.h"
@@ -27,7 +29,22 @@ struct UrSettings {
   int ack_register = 0;  ///< output_int_register that scripts acknowledge through
 };
 
+/// Asks for model, host, TCP, radius of the tool and payload, and for ports that wrong_port() finds
+/// nothing wrong with.
 void visit_keys(KeyVisitor& keys, UrSettings& settings);
+
+/// A controller runs what is written to this port: 30001, 30002, 30003 or 30020.
+bool takes_scripts(int port);
+
+struct WrongPort {
+  std::string_view key;
+  std::string text;  ///< what is wrong, what is allowed
+};
+
+/// RTDE and dashboard are written to without --move. So their ports must be none that
+/// takes_scripts(), and none of the cell's own for scripts.
+/// @return the first that is wrong; none: none is
+std::optional<WrongPort> wrong_port(const UrSettings& settings);
 
 /// A pose of six numbers: mm, rotation vector in rad.
 Eigen::Isometry3d pose_of_six(const std::vector<double>& six);

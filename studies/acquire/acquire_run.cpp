@@ -19,7 +19,7 @@
 #include "studies/acquire/plan_digest.h"
 #include "studies/acquire/source_files.h"
 #include "studies/cell/cell_copy.h"
-#include "studies/cell/twin_process.h"
+#include "studies/cell/ready_file.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"

@@ -20,6 +20,7 @@
 #include "core/file.h"
 #include "core/wall_clock.h"
 #include "hardware/robot/twin_proof.h"
+#include "studies/cell/ready_file.h"
 
 namespace glint {
 namespace {
@@ -118,15 +119,6 @@ Json serve_here(const std::function<ServingTwins()>& make,
   std::_Exit(code);
 }
 
-Json read_ready(const std::filesystem::path& file) {
-  const Json json = Json::parse(read_file(file), nullptr, false);
-  if (!json.is_object() || !json.contains("pid") || !json.contains("twins") ||
-      !json["pid"].is_number_integer() || !json["twins"].is_array()) {
-    throw ConfigError(fmt::format("{}: is no ready file of twins", file.string()));
-  }
-  return json;
-}
-
 Json wait_until_ready(pid_t child,
                       const std::filesystem::path& ready_file,
                       const std::filesystem::path& error_file) {
@@ -156,7 +148,8 @@ bool is_alive(pid_t pid) {
 
 /// Tells one twin to end. @return it was there, and the same
 bool tell_to_stop(const Json& twin) {
-  if (!twin.contains("side_channel") || !twin.contains("token")) {
+  if (!twin.contains("side_channel") || !twin["side_channel"].is_string() ||
+      !twin.contains("token") || !twin["token"].is_number_unsigned()) {
     return false;
   }
   const std::filesystem::path socket = twin["side_channel"].get<std::string>();
@@ -165,24 +158,14 @@ bool tell_to_stop(const Json& twin) {
          ask_side_channel(socket, "stop").has_value();
 }
 
-/// The twin of that kind; nullptr: there is none.
-const Json* twin_in(const Json& ready, std::string_view kind) {
-  for (const Json& twin : ready["twins"]) {
-    if (twin.value("kind", "") == kind) {
-      return &twin;
-    }
-  }
-  return nullptr;
-}
-
 /// @throws IoError when the camera's twin does not answer ok
 void tell_camera_twin(const std::filesystem::path& ready_file, const std::string& line) {
   const Json ready = read_ready(ready_file);
-  const Json* camera = twin_in(ready, "camera");
+  const Json* camera = twin_of_kind(ready, "camera");
   if (camera == nullptr) {
     throw ConfigError(fmt::format("{}: has no twin of a camera", ready_file.string()));
   }
-  const auto reply = ask_side_channel(camera->at("side_channel").get<std::string>(), line);
+  const auto reply = ask_side_channel(side_channel_in(ready_file, *camera), line);
   if (reply.value_or("") != "ok") {
     throw IoError(fmt::format(
         "{}: the twin of the camera says {}", ready_file.string(), reply.value_or("nothing")));
@@ -292,29 +275,6 @@ TwinServerSettings robot_twin_settings(const Cell& cell, std::optional<int> port
 
 std::unique_ptr<ServingTwin> robot_twin_of(const Cell& cell, std::optional<int> port) {
   return std::make_unique<RobotTwin>(robot_twin_settings(cell, port));
-}
-
-Cell with_ports(Cell cell, const std::filesystem::path& ready_file) {
-  const Json ready = read_ready(ready_file);
-  const Json* twin = twin_in(ready, "robot");
-  if (cell.robot && twin != nullptr) {
-    cell.robot->host = twin->at("address").get<std::string>();
-    cell.robot->rtde_port = twin->at("rtde_port").get<int>();
-    cell.robot->primary_port = twin->at("primary_port").get<int>();
-    cell.robot->secondary_port = twin->at("secondary_port").get<int>();
-    cell.robot->dashboard_port = twin->at("dashboard_port").get<int>();
-  }
-  const Json* camera = twin_in(ready, "camera");
-  if (cell.camera && camera != nullptr) {
-    cell.camera->address = camera->at("address").get<std::string>();
-  }
-  const Json* stage = twin_in(ready, "stage");
-  if (cell.stage && stage != nullptr) {
-    cell.stage->host = stage->at("address").get<std::string>();
-    cell.stage->device.clear();
-    cell.stage->port = stage->at("port").get<int>();
-  }
-  return cell;
 }
 
 }  // namespace glint

@@ -73,7 +73,4 @@ nlohmann::ordered_json robot_twin_description(const TwinServer& server);
 ///              those of the cell
 std::unique_ptr<ServingTwin> robot_twin_of(const Cell& cell, std::optional<int> port);
 
-/// A cell whose ports, and addresses of camera and stage, are those of a ready file.
-Cell with_ports(Cell cell, const std::filesystem::path& ready_file);
-
 }  // namespace glint

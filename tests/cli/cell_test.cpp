@@ -138,7 +138,7 @@ TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
 // arm's way.
 TEST(Cell, ARunPlansEachDesignForTheStudysCellAndTellsHowToAcquireIt) {
   const TemporaryFolder folder;
-  write_file(folder / "cell.toml", cell_text(1, 1, 1, 1));
+  write_file(folder / "cell.toml", cell_text(1, 2, 3, 4));
   write_file(folder / "study.toml",
              study_in_cell() + "designs = \"narrow,wide\"\n[prototypes.narrow]\n" +
                  "\"lighting.ring.outer_radius_mm\" = 50\n[prototypes.wide]\n" +
@@ -160,7 +160,7 @@ TEST(Cell, ARunPlansEachDesignForTheStudysCellAndTellsHowToAcquireIt) {
 // typed of how to drive is not lost.
 TEST(Cell, ARunTellsHowToAcquireAsItIsToBePasted) {
   const TemporaryFolder folder;
-  write_file(folder / "cell.toml", cell_text(1, 1, 1, 1));
+  write_file(folder / "cell.toml", cell_text(1, 2, 3, 4));
   write_file(folder / "study.toml", study_in_cell());
   const ProgramResult result = glint_in(folder,
                                         {"run",
@@ -186,7 +186,7 @@ TEST(Cell, ARunTellsHowToAcquireAsItIsToBePasted) {
 // What is wrong with the study's own cell comes up before the search, not after it.
 TEST(Cell, OfAStudyIsReadBeforeTheRunBegins) {
   const TemporaryFolder folder;
-  write_file(folder / "cell.toml", edited(cell_text(1, 1, 1, 1), {{"\"ur3\"", "\"ur4\""}}));
+  write_file(folder / "cell.toml", edited(cell_text(1, 2, 3, 4), {{"\"ur3\"", "\"ur4\""}}));
   write_file(folder / "study.toml", study_in_cell());
   const ProgramResult result = glint_in(folder, {"run", "study.toml", "--out", "run", "--quiet"});
   EXPECT_EQ(result.code, 2);
@@ -196,7 +196,7 @@ TEST(Cell, OfAStudyIsReadBeforeTheRunBegins) {
 
 TEST(Cell, ARunIsToldWhereADesignCannotBePlanned) {
   const TemporaryFolder folder;
-  write_file(folder / "cell.toml", cell_text(1, 1, 1, 1));
+  write_file(folder / "cell.toml", cell_text(1, 2, 3, 4));
   write_file(folder / "study.toml",
              study_in_cell() + "designs = \"first,second\"\n[prototypes.first]\n" +
                  "\"sensor.exposure\" = 0.5\n[prototypes.second]\n\"sensor.exposure\" = 0.6\n");
@@ -214,7 +214,7 @@ TEST(CellSafety, WithMoveThePeerIsCalled) {
   const TemporaryFolder folder;
   const CountingPeer rtde;
   const CountingPeer primary;
-  write_file(folder / "cell.toml", cell_text(rtde.port(), primary.port(), 1, 1));
+  write_file(folder / "cell.toml", cell_text(rtde.port(), primary.port(), 1, 2));
   const ProgramResult result =
       glint_in(folder, {"cell", "move", "cell.toml", "--view", "left", "--move"});
   EXPECT_EQ(result.code, 3) << "a peer that says nothing is no robot";
@@ -325,7 +325,7 @@ TEST(Cell, ATwinTakesFourPortsFromTheGivenOneOn) {
 TEST(Cell, ATwinThatCannotServeSaysWhy) {
   const TemporaryFolder folder;
   const CountingPeer taken;
-  write_file(folder / "cell.toml", cell_text(taken.port(), 1, 1, 1));
+  write_file(folder / "cell.toml", cell_text(taken.port(), 1, 2, 3));
   const ProgramResult result = glint_in(
       folder, {"cell", "twin", "robot", "cell.toml", "--detach", "--ready_file", "twin.json"});
   EXPECT_EQ(result.code, 3);

@@ -101,6 +101,27 @@ TEST(ReadCell, NamesEverySlipWithItsPlace) {
   EXPECT_THAT(problem_of(kRobot + swapped + kHome), HasSubstr("must be above box_min_mm"));
 }
 
+// Questions are written to RTDE and dashboard without --move: to ports that run what they are sent
+// they would be programs.
+TEST(ReadCell, NoQuestionGoesToAPortThatTakesScripts) {
+  const auto problem = [](const std::string& ports) {
+    return problem_of(kRobot + ports + kLimits + kHome);
+  };
+  for (const char* script_port : {"30001", "30002", "30003", "30020"}) {
+    for (const std::string key : {"rtde_port", "dashboard_port"}) {
+      EXPECT_THAT(problem(key + " = " + script_port + "\n"),
+                  HasSubstr("robot." + key + ": is " + script_port + ", where controllers"));
+    }
+  }
+  EXPECT_THAT(problem("dashboard_port = 7001\nprimary_port = 7001\n"), HasSubstr("cell.toml:7:"));
+  EXPECT_THAT(problem("rtde_port = 7002\nsecondary_port = 7002\n"),
+              HasSubstr("robot.rtde_port: is 7002, as primary_port or secondary_port"));
+  EXPECT_THAT(problem("primary_port = 30004\n"), HasSubstr("robot.rtde_port: is 30004"));
+  EXPECT_THAT(problem("rtde_port = 29999\n"), HasSubstr("robot.dashboard_port: is 29999"));
+  EXPECT_EQ(problem("rtde_port = 7004\nprimary_port = 7001\nsecondary_port = 7001\n"),
+            "nothing thrown");
+}
+
 TEST(ViewOf, FindsByNameAndNumberAndNamesWhatThereIs) {
   const Cell cell = cell_of(kRobot + kLimits + kHome +
                             "[[view]]\nname = \"left\"\njoints_deg = [1, 0, 0, 0, 0, 0]\n"

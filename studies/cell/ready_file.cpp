@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/cell/ready_file.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+
+namespace glint {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+bool is_twin_object(const Json& twin) {
+  return twin.is_object() && twin.contains("kind") && twin["kind"].is_string();
+}
+
+/// A twin as one file describes it.
+class ReadyTwin {
+ public:
+  ReadyTwin(const std::filesystem::path& file, const Json& twin) : file_(file), twin_(twin) {}
+
+  [[noreturn]] void refuse(std::string_view key, const std::string& why) const {
+    throw ConfigError(fmt::format(
+        "{}: {} of the twin \"{}\": {}", file_.string(), key, twin_.value("kind", ""), why));
+  }
+
+  std::string text(const std::string& key) const {
+    if (!twin_.contains(key) || !twin_[key].is_string()) {
+      refuse(key, "must be a text");
+    }
+    return twin_[key].get<std::string>();
+  }
+
+  int port(const std::string& key) const {
+    const bool is_number = twin_.contains(key) && twin_[key].is_number_unsigned();
+    const std::uint64_t port = is_number ? twin_[key].get<std::uint64_t>() : 0;
+    if (port < 1 || port > 65535) {
+      refuse(key, "must be a port, from 1 to 65535");
+    }
+    return static_cast<int>(port);
+  }
+
+  std::string address() const {
+    constexpr std::uint32_t kLoopback = 127;
+    std::string address = text("address");
+    in_addr number = {};
+    if (::inet_pton(AF_INET, address.c_str(), &number) != 1 ||
+        ntohl(number.s_addr) >> 24U != kLoopback) {
+      refuse("address", fmt::format("is {}, twins of Glint serve 127.0.0.0/8 alone", address));
+    }
+    return address;
+  }
+
+ private:
+  const std::filesystem::path& file_;
+  const Json& twin_;
+};
+
+void take_robot(const ReadyTwin& twin, UrSettings& robot) {
+  robot.host = twin.address();
+  robot.rtde_port = twin.port("rtde_port");
+  robot.primary_port = twin.port("primary_port");
+  robot.secondary_port = twin.port("secondary_port");
+  robot.dashboard_port = twin.port("dashboard_port");
+  if (const auto wrong = wrong_port(robot)) {
+    twin.refuse(wrong->key, wrong->text);
+  }
+}
+
+}  // namespace
+
+Json read_ready(const std::filesystem::path& file) {
+  Json json = Json::parse(read_file(file), nullptr, false);
+  if (!json.is_object() || !json.contains("pid") || !json.contains("twins") ||
+      !json["pid"].is_number_integer() || !json["twins"].is_array() ||
+      !std::ranges::all_of(json["twins"], is_twin_object)) {
+    throw ConfigError(fmt::format("{}: is no ready file of twins", file.string()));
+  }
+  return json;
+}
+
+const Json* twin_of_kind(const Json& ready, std::string_view kind) {
+  for (const Json& twin : ready["twins"]) {
+    if (twin.value("kind", "") == kind) {
+      return &twin;
+    }
+  }
+  return nullptr;
+}
+
+std::filesystem::path side_channel_in(const std::filesystem::path& file, const Json& twin) {
+  return ReadyTwin(file, twin).text("side_channel");
+}
+
+Cell with_ports(Cell cell, const std::filesystem::path& ready_file) {
+  const Json ready = read_ready(ready_file);
+  const Json* robot = twin_of_kind(ready, "robot");
+  if (cell.robot && robot != nullptr) {
+    take_robot({ready_file, *robot}, *cell.robot);
+  }
+  const Json* camera = twin_of_kind(ready, "camera");
+  if (cell.camera && camera != nullptr) {
+    cell.camera->address = ReadyTwin(ready_file, *camera).address();
+  }
+  const Json* stage = twin_of_kind(ready, "stage");
+  if (cell.stage && stage != nullptr) {
+    cell.stage->host = ReadyTwin(ready_file, *stage).address();
+    cell.stage->device.clear();
+    cell.stage->port = ReadyTwin(ready_file, *stage).port("port");
+  }
+  return cell;
+}
+
+}  // namespace glint

@@ -95,6 +95,10 @@ void MotionWatch::on_package(const RobotState& state, double now_s) {
     end(MotionOutcome::kProgramStopped,
         fmt::format("robot mode {}", name_of(state.robot_mode)),
         false);
+  } else if (state.is_guided()) {
+    end(MotionOutcome::kProgramStopped, "the teach button was pressed", true);
+  } else if (!state.is_pose_known()) {
+    end(MotionOutcome::kLost, "the robot's pose is unknown", true);
   } else if (is_within_limits(state) && is_on_its_way(state)) {
     look_for_other_program(state);
     look_at_program(state, now_s);

@@ -55,9 +55,19 @@ bool RobotState::is_program_running() const {
          (robot_status_bits & kStatusProgramRunning) != 0;
 }
 
+bool RobotState::is_guided() const {
+  return (robot_status_bits & kStatusTeachButton) != 0;
+}
+
+bool RobotState::is_pose_known() const {
+  return actual_q_rad.allFinite() && actual_qd_rad_s.allFinite() &&
+         base_from_tcp.matrix().allFinite();
+}
+
+// The largest of numbers of which one is none would be any of them: each is compared.
 bool RobotState::is_still() const {
   constexpr double kStillRadS = 1e-3;
-  return actual_qd_rad_s.cwiseAbs().maxCoeff() < kStillRadS;
+  return (actual_qd_rad_s.array().abs() < kStillRadS).all();
 }
 
 std::vector<std::string> state_outputs(int ack_register) {
@@ -139,10 +149,13 @@ std::string motion_refusal(const RobotState& state,
   if (state.robot_mode != RobotMode::kRunning) {
     return fmt::format("the robot is not ready: robot mode {}", name_of(state.robot_mode));
   }
+  if (state.is_guided()) {
+    return "the teach button is pressed: somebody guides the arm by hand";
+  }
   if (state.is_program_running()) {
     return fmt::format("another program runs on the controller: {}", name_of(state.runtime_state));
   }
-  if (!state.actual_q_rad.allFinite() || !state.base_from_tcp.matrix().allFinite()) {
+  if (!state.is_pose_known()) {
     return "the robot's pose is unknown";
   }
   if (std::string text = tcp_difference(state, arm, settings); !text.empty()) {

@@ -37,6 +37,12 @@ struct RobotState {
 
   bool is_program_running() const;
 
+  /// The teach button is pressed: somebody has a hand at the arm.
+  bool is_guided() const;
+
+  /// Joints, their speeds and the pose of the TCP are numbers.
+  bool is_pose_known() const;
+
   /// No joint is faster than 1e-3 rad/s.
   bool is_still() const;
 };
@@ -48,8 +54,9 @@ std::vector<std::string> newer_outputs();
 /// The newest package as a state. @param client  is streaming
 RobotState state_of(const RtdeClient& client, int ack_register);
 
-/// Why the arm must not be moved in this state: not running, stopped by safety, another program
-/// runs, the pendant's TCP or payload differ from the cell's; empty: nothing speaks against it.
+/// Why the arm must not be moved in this state: not running, stopped by safety, guided by hand,
+/// another program runs, the pendant's TCP or payload differ from the cell's; empty: nothing speaks
+/// against it.
 std::string motion_refusal(const RobotState& state,
                            const ArmWithTool& arm,
                            const UrSettings& settings);

@@ -10,8 +10,8 @@ void StillPoseRule::restart() {
 void StillPoseRule::add(const RobotState& state) {
   const bool is_new = packages_ == 0 || state.timestamp_s > last_s_;
   const bool is_still =
-      state.actual_qd_rad_s.cwiseAbs().maxCoeff() < kSpeedRadS &&
-      (state.actual_q_rad - state.target_q_rad).cwiseAbs().maxCoeff() < kTargetRad &&
+      state.is_pose_known() && (state.actual_qd_rad_s.array().abs() < kSpeedRadS).all() &&
+      ((state.actual_q_rad - state.target_q_rad).array().abs() < kTargetRad).all() &&
       allows_motion(state.safety_mode) && !state.is_program_running();
   if (!is_new || !is_still) {
     restart();

@@ -224,7 +224,7 @@ std::optional<MotionResult> UrDriver::begin(const CheckedMotion& motion, double 
     return MotionResult{.outcome = MotionOutcome::kUnreachable, .text = motion.text};
   }
   constexpr double kStartRad = 1e-3;
-  if ((motion.start_rad - state_->actual_q_rad).cwiseAbs().maxCoeff() > kStartRad) {
+  if (!((motion.start_rad - state_->actual_q_rad).array().abs() <= kStartRad).all()) {
     return refused("the arm is not where the motion was planned from");
   }
   const ScriptAck ack = ScriptAck::after(state_->ack);

@@ -85,7 +85,7 @@ Eigen::Isometry3d pose_of_six(const std::vector<double>& six) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.translation() = Eigen::Vector3d(six[0], six[1], six[2]);
   const Eigen::Vector3d turn(six[3], six[4], six[5]);
-  if (turn.norm() > 0.0) {
+  if (turn.norm() != 0.0) {  // what is no number gives a pose that is none
     pose.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix();
   }
   return pose;

@@ -54,6 +54,7 @@ std::string_view name_of(RuntimeState state);
 /// Bits of robot_status_bits.
 inline constexpr std::uint32_t kStatusPowerOn = 1U << 0;
 inline constexpr std::uint32_t kStatusProgramRunning = 1U << 1;
+inline constexpr std::uint32_t kStatusTeachButton = 1U << 2;  ///< pressed: freedrive
 
 /// Bits of safety_status_bits: 0 normal, 1 reduced, 2 protective, 3 recovery, 4 safeguard, 5 system
 /// and 6 robot emergency stop, 7 any emergency stop, 8 violation, 9 fault, 10 stopped by any.

@@ -93,6 +93,45 @@ TEST(MotionWatch, StopsAtOnePackageOutsideTheBox) {
   EXPECT_EQ(motion.watch.result()->outcome, MotionOutcome::kLimit) << "back within, it stays so";
 }
 
+// The tool's own joint moves no link that the box is asked for, and a joint's motion needs no pose
+// of the TCP.
+TEST(MotionWatch, StopsAnArmWhosePoseIsNotTold) {
+  void (*const losses[])(RobotState&) = {
+      [](RobotState& state) { state.actual_q_rad[5] = std::nan(""); },
+      [](RobotState& state) { state.actual_qd_rad_s[2] = std::nan(""); },
+      [](RobotState& state) { state.base_from_tcp.translation().x() = std::nan(""); },
+      [](RobotState& state) {
+        state.base_from_tcp = pose_of_six({0, 0, 0, std::nan(""), 0, 0});
+      }};
+  for (const auto& lose : losses) {
+    WatchedMotion motion;
+    motion.watch.on_package(motion.package(0.1, 100.0), 0.1);
+    RobotState state = motion.package(0.108, 100.0);
+    lose(state);
+    motion.watch.on_package(state, 0.108);
+    ASSERT_TRUE(motion.watch.result().has_value());
+    EXPECT_EQ(motion.watch.result()->outcome, MotionOutcome::kLost);
+    EXPECT_EQ(motion.watch.result()->text, "the robot's pose is unknown");
+    EXPECT_TRUE(motion.watch.must_stop());
+  }
+}
+
+// A hand is at the arm.
+TEST(MotionWatch, StopsAnArmWhoseTeachButtonIsPressed) {
+  WatchedMotion motion;
+  RobotState state = motion.package(0.1, 100.0);
+  state.robot_status_bits = kStatusPowerOn | kStatusProgramRunning;
+  motion.watch.on_package(state, 0.1);
+  EXPECT_FALSE(motion.watch.result().has_value());
+  state.timestamp_s = 0.108;
+  state.robot_status_bits |= kStatusTeachButton;
+  motion.watch.on_package(state, 0.108);
+  ASSERT_TRUE(motion.watch.result().has_value());
+  EXPECT_EQ(motion.watch.result()->outcome, MotionOutcome::kProgramStopped);
+  EXPECT_EQ(motion.watch.result()->text, "the teach button was pressed");
+  EXPECT_TRUE(motion.watch.must_stop());
+}
+
 // Whose exception it is, is not known: what may begin yet is stopped.
 TEST(MotionWatch, AnExceptionBeforeTheMotionBeginsEndsItInAStop) {
   WatchedMotion motion;

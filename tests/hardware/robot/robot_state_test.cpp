@@ -50,6 +50,8 @@ TEST(MotionRefusal, NamesWhatSpeaksAgainstMotion) {
       {[](RobotState& s) { s.runtime_state = RuntimeState::kPlaying; }, "another program"},
       {[](RobotState& s) { s.runtime_state = RuntimeState::kPaused; }, "another program"},
       {[](RobotState& s) { s.robot_status_bits = kStatusProgramRunning; }, "another program"},
+      {[](RobotState& s) { s.robot_status_bits = 1U << 2; }, "teach button"},
+      {[](RobotState& s) { s.actual_qd_rad_s[0] = std::nan(""); }, "unknown"},
       {[](RobotState& s) { s.tcp_offset->translation().x() += 0.2; }, "0.20 mm"},
       {[](RobotState& s) { s.payload_kg = 0.7; }, "0.700 kg"},
       {[](RobotState& s) { s.payload_cog_mm->z() = 45.0; }, "5.0 mm"},

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/robot/still_pose.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "tests/hardware/robot/cell_robot_settings.h"
@@ -35,6 +37,19 @@ int packages_needed(double rate_hz) {
 TEST(StillPoseRule, NeedsPackagesAndTime) {
   EXPECT_EQ(packages_needed(125.0), 25);
   EXPECT_EQ(packages_needed(500.0), 51);
+}
+
+TEST(StillPoseRule, NeedsNumbers) {
+  for (const bool is_speed : {true, false}) {
+    StillPoseRule rule;
+    for (int i = 0; i < 200; ++i) {
+      RobotState state = still_state(i, 125.0);
+      (is_speed ? state.actual_qd_rad_s : state.target_q_rad)[3] = std::nan("");
+      EXPECT_FALSE(state.is_still() && is_speed);
+      rule.add(state);
+    }
+    EXPECT_FALSE(rule.pose().has_value());
+  }
 }
 
 TEST(StillPoseRule, TellsTheMean) {

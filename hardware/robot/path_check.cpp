@@ -163,9 +163,11 @@ CheckedMotion check_joint_motion(const ArmWithTool& arm,
                           .goal_rad = goal_rad,
                           .base_from_tcp = arm.base_from_tcp(goal_rad),
                           .acceleration = arm.limits.joint_acceleration_rad_s2};
-  if (!goal_rad.allFinite() || !beyond_limit(goal_rad).empty()) {
-    refuse(motion, CheckedMotion::Problem::kJointLimit, beyond_limit(goal_rad));
-    return motion;
+  for (const JointVector& end_rad : {start_rad, goal_rad}) {  // before its steps are counted
+    if (std::string text = beyond_limit(end_rad); !text.empty()) {
+      refuse(motion, CheckedMotion::Problem::kJointLimit, std::move(text));
+      return motion;
+    }
   }
   const JointVector way_rad = goal_rad - start_rad;
   const double leading_rad = way_rad.cwiseAbs().maxCoeff();

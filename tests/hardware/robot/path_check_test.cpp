@@ -48,6 +48,17 @@ TEST(CheckJointMotion, SlowsDownForTheTip) {
   EXPECT_NEAR(half.speed, 0.5 * motion.speed, 1e-12);
 }
 
+// So many steps of 2 mm from there that an int does not hold their number: no way is too long to be
+// looked at.
+TEST(CheckJointMotion, RefusesAStartFarBeyondTheJointsLimits) {
+  for (const double turn_deg : {400.0, 1e10, 1e300, -1e10}) {
+    const CheckedMotion motion =
+        check_joint_motion(test_arm(), turned(5, turn_deg), test_start_rad(), 1.0);
+    EXPECT_EQ(motion.problem, Problem::kJointLimit) << turn_deg;
+    EXPECT_THAT(motion.text, testing::StartsWith("joint 6 at "));
+  }
+}
+
 TEST(CheckJointMotion, RefusesWhereALinkLeavesTheBoxOnTheWay) {
   MotionLimits limits = test_limits();
   // The tip's circle about the base's axis passes +y; start and goal lie within.

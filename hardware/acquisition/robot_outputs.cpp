@@ -12,7 +12,7 @@ namespace glint {
 
 void RobotOutputs::set_output(int index, bool is_on) {
   const auto bit = static_cast<std::uint8_t>(1U << static_cast<unsigned>(index));
-  set_digital_outputs(host_, rtde_port_, bit, is_on ? bit : std::uint8_t{0});
+  set_digital_outputs(host_, rtde_port_, bit, is_on ? bit : std::uint8_t{0}, permit_);
   // The robot's own packages come on another connection, some milliseconds later.
   constexpr double kFollowS = 0.5;
   const auto start = std::chrono::steady_clock::now();

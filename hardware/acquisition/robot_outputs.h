@@ -4,6 +4,7 @@
 #include <string>
 
 #include "hardware/light/light.h"
+#include "hardware/robot/motion_permit.h"
 #include "hardware/robot/robot.h"
 
 namespace glint {
@@ -13,8 +14,8 @@ namespace glint {
 class RobotOutputs final : public DigitalOutputs {
  public:
   /// @param robot  outlives this
-  RobotOutputs(std::string host, int rtde_port, const Robot& robot)
-      : host_(std::move(host)), rtde_port_(rtde_port), robot_(robot) {}
+  RobotOutputs(std::string host, int rtde_port, const Robot& robot, const MotionPermit& permit)
+      : host_(std::move(host)), rtde_port_(rtde_port), robot_(robot), permit_(permit) {}
 
   int num_outputs() const override { return 8; }
 
@@ -26,6 +27,7 @@ class RobotOutputs final : public DigitalOutputs {
   std::string host_;
   int rtde_port_;
   const Robot& robot_;
+  MotionPermit permit_;
 };
 
 }  // namespace glint

@@ -15,6 +15,7 @@ void set_digital_outputs(const std::string& host,
                          int rtde_port,
                          std::uint8_t mask,
                          std::uint8_t values,
+                         const MotionPermit&,
                          double timeout_s) {
   constexpr const char* kBits = "actual_digital_output_bits";
   constexpr double kReadS = 0.05;

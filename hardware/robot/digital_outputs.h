@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "hardware/robot/motion_permit.h"
+
 namespace glint {
 
 /// Sets standard digital outputs of a controller by an input recipe of RTDE, and waits until the
@@ -11,11 +13,13 @@ namespace glint {
 /// everybody else; outputs stay as they are when it is gone.
 /// @param mask    bit i: output i is set, the others stay
 /// @param values  bit i: on
+/// @param permit  a cell's outputs may switch more than lights
 /// @throws IoError: nobody there, another client holds the inputs, or the outputs do not follow
 void set_digital_outputs(const std::string& host,
                          int rtde_port,
                          std::uint8_t mask,
                          std::uint8_t values,
+                         const MotionPermit& permit,
                          double timeout_s = 2.0);
 
 }  // namespace glint

@@ -38,7 +38,7 @@ CellDevices::CellDevices(
   const UrSettings& robot = robot_of(cell);
   is_twin_ = is_proven_twin(robot.host, robot.rtde_port);
   robot_ = std::make_unique<UrRobot>(robot, arm_with_tool(robot, cell.limits));
-  outputs_ = std::make_unique<RobotOutputs>(robot.host, robot.rtde_port, *robot_);
+  outputs_ = std::make_unique<RobotOutputs>(robot.host, robot.rtde_port, *robot_, permit);
   camera_ = open_patiently(camera_of(cell));
   for (const CellLight& light : cell.lights) {
     const bool is_manual = light.kind == CellLight::Kind::kManual;

@@ -28,7 +28,7 @@ class CellDevices {
 
   AcquisitionDevices devices();
 
-  /// Robot and camera have proved that they are twins.
+  /// The robot has proved that it is a twin.
   bool is_twin() const { return is_twin_; }
 
   const CameraDescription& camera() const { return camera_->description(); }

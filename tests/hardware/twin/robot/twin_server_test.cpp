@@ -42,6 +42,12 @@ UrSettings settings_for(const TwinServer& server, ArmModel model) {
   return settings;
 }
 
+MotionPermit typed() {
+  return MotionPermit::from_command_line(true, "test");
+}
+
+static_assert(!std::is_default_constructible_v<MotionPermit>, "a command line alone makes one");
+
 JointVector near_goal_rad() {
   return test_start_rad() + JointVector{0.3, 0.05, -0.1, 0.0, 0.1, 0.2};
 }
@@ -89,7 +95,7 @@ TEST(UrRobot, LongMotionsArriveHoweverFastATwinsClockIs) {
 // The slider of the pendant stays with the person in front of it.
 TEST(UrRobot, WritesNoInputsButThoseOfLights) {
   TwinServer server(on_free_ports(ArmModel::kUr3));
-  set_digital_outputs("127.0.0.1", server.ports().rtde, 0b0001, 0b0001);
+  set_digital_outputs("127.0.0.1", server.ports().rtde, 0b0001, 0b0001, typed());
   EXPECT_THAT(server.inputs_written(),
               ElementsAre("standard_digital_output", "standard_digital_output_mask"));
   TwinController twin(test_twin(ArmModel::kUr3));
@@ -290,9 +296,9 @@ TEST(TwinServer, ServesTwoClientsAtOnceAndTheDashboard) {
 
 TEST(SetDigitalOutputs, SwitchesThoseOfTheMaskAndWaitsForThem) {
   TwinServer server(on_free_ports(ArmModel::kUr3));
-  set_digital_outputs("127.0.0.1", server.ports().rtde, 0b0110, 0b1111);
+  set_digital_outputs("127.0.0.1", server.ports().rtde, 0b0110, 0b1111, typed());
   EXPECT_EQ(server.view().digital_outputs, 0b0110U);
-  set_digital_outputs("127.0.0.1", server.ports().rtde, 0b0010, 0b0000);
+  set_digital_outputs("127.0.0.1", server.ports().rtde, 0b0010, 0b0000, typed());
   EXPECT_EQ(server.view().digital_outputs, 0b0100U);
   EXPECT_EQ(server.num_command_bytes(), 0U);
 }

@@ -21,6 +21,11 @@ std::string joints_text(const JointVector& joints_rad) {
   return "joints at " + text + " degrees";
 }
 
+std::string outcome_text(const MotionResult& result) {
+  return fmt::format(
+      "{}{}{}", name_of(result.outcome), result.text.empty() ? "" : ": ", result.text);
+}
+
 }  // namespace
 
 RobotState ArmGuide::fresh_state() const {
@@ -74,9 +79,7 @@ void ArmGuide::go(std::size_t point) {
   if (!result.is_done()) {
     has_failed_ = true;
     place_.reset();
-    throw ArmFailure{
-        .text = fmt::format(
-            "{}{}{}", name_of(result.outcome), result.text.empty() ? "" : ": ", result.text)};
+    throw ArmFailure{.text = outcome_text(result)};
   }
   place_ = TourPlace{.leg = point};
 }
@@ -139,7 +142,10 @@ StillPose ArmGuide::still_at_point(double timeout_s) {
 
 void ArmGuide::check_still(const StillPose& pose) const {
   const RobotState state = fresh_state();
-  if ((state.actual_q_rad - pose.joints_rad).cwiseAbs().maxCoeff() > kMovedRad) {
+  if (const auto stop = robot_.halted()) {
+    throw ArmFailure{.text = outcome_text(*stop)};
+  }
+  if (!((state.actual_q_rad - pose.joints_rad).array().abs() <= kMovedRad).all()) {
     throw ArmFailure{.text = "the arm moved while a picture was taken"};
   }
 }

@@ -48,7 +48,7 @@ class ArmGuide {
   /// @throws ArmFailure when the arm does not come to rest, or rests elsewhere
   StillPose still_at_point(double timeout_s);
 
-  /// @throws ArmFailure when it has moved from that pose, or was stopped
+  /// @throws ArmFailure when it has moved from that pose, or was stopped, if only for a moment
   void check_still(const StillPose& pose) const;
 
   /// For people.

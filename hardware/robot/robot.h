@@ -53,6 +53,9 @@ class Robot {
   /// Waits until the arm stands still by the rule of StillPoseRule, and tells where.
   /// @return none when it does not within the time
   virtual std::optional<StillPose> still_pose(double timeout_s) = 0;
+
+  /// After this stop nothing moves any more, also when it has been reset; none: there was none.
+  virtual std::optional<MotionResult> halted() const { return std::nullopt; }
 };
 
 }  // namespace glint

@@ -40,8 +40,7 @@ class UrRobot final : public Robot {
   MotionResult stop() override;
   std::optional<StillPose> still_pose(double timeout_s) override;
 
-  /// After this stop nothing moves any more; none: there was none.
-  std::optional<MotionResult> halted() const;
+  std::optional<MotionResult> halted() const override;
 
   ControllerVersion controller() const;
 

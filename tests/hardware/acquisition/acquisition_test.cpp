@@ -300,6 +300,21 @@ TEST(Acquire, OpensACameraAgainThatIsLostWhileItIsConfigured) {
   EXPECT_GT(while_configured, 1);
 }
 
+// Somebody has reset it before anybody looked: the arm stands where it stood, in a normal mode.
+TEST(Acquire, APictureDuringAStopDoesNotCountThoughItWasReset) {
+  Bench bench(1);
+  bench.cell.during_exposure = [&bench] {
+    bench.cell.halted =
+        MotionResult{.outcome = MotionOutcome::kProtectiveStop, .text = "safety mode"};
+  };
+  const AcquisitionResult result = bench.run();
+  EXPECT_EQ(result.accepted, 0);
+  EXPECT_EQ(result.cause, AcquisitionCause::kRobot);
+  EXPECT_EQ(result.text, "protective_stop: safety mode");
+  EXPECT_EQ(result.end, AcquisitionEnd::kStopped);
+  EXPECT_EQ(bench.cell.motions, 2) << "the way to the first view alone";
+}
+
 TEST(Acquire, DoesNotMoveBackInAReducedSafetyMode) {
   Bench bench(1);
   bench.cell.safety = SafetyMode::kReduced;

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -86,6 +88,8 @@ class FakeCell {
   std::atomic<int> interrupt = 0;
   int motions_after_fault = 0;
   int motions = 0;
+  std::optional<MotionResult> halted = {};     ///< a stop, which may have been reset
+  std::function<void()> during_exposure = {};  ///< of each picture
   std::set<std::string> on;
   int stage_position = -1;
   std::vector<std::string> events;  ///< "move", "light ring on", "stage 2", "picture"
@@ -128,6 +132,8 @@ class FakeRobot final : public Robot {
   MotionResult move_line(const Eigen::Isometry3d&, double) override { return {}; }
 
   MotionResult stop() override { return {}; }
+
+  std::optional<MotionResult> halted() const override { return cell_.halted; }
 
   std::optional<StillPose> still_pose(double) override {
     cell_.call(FakeFault::kNone);
@@ -231,6 +237,9 @@ class FakeCamera final : public Camera {
       }
     }
     cell_.call(FakeFault::kNone);
+    if (cell_.during_exposure) {
+      cell_.during_exposure();
+    }
     frame.status = FrameStatus::kComplete;
     cell_.events.emplace_back("picture");
     const double edge_px = frames_ == 1 && first_edge_px_ > 0.0 ? first_edge_px_ : edge_px_;

@@ -121,8 +121,9 @@ StillPose ArmGuide::still(double timeout_s) {
   const auto pose = robot_.still_pose(timeout_s);
   if (!pose) {
     fresh_state();
-    throw ArmFailure{.text =
-                         fmt::format("the arm does not stand still within {:.0f} s", timeout_s)};
+    throw ArmFailure{.text = fmt::format("the arm does not stand still within {:.0f} s, or the "
+                                         "pendant's TCP is no longer the cell's",
+                                         timeout_s)};
   }
   return *pose;
 }

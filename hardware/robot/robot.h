@@ -51,7 +51,7 @@ class Robot {
   virtual MotionResult stop() = 0;
 
   /// Waits until the arm stands still by the rule of StillPoseRule, and tells where.
-  /// @return none when it does not within the time
+  /// @return none when it does not within the time, or stands with another TCP than the cell's
   virtual std::optional<StillPose> still_pose(double timeout_s) = 0;
 
   /// After this stop nothing moves any more, also when it has been reset; none: there was none.

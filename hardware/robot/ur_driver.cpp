@@ -53,7 +53,11 @@ void UrDriver::on_package(double now_s) {
   }
   state_ = state;
   new_at_s_ = now_s;
-  still_.add(state);
+  if (tcp_difference(state, arm_, settings_).empty()) {
+    still_.add(state);
+  } else {
+    still_ = StillPoseRule();  // the pose is of another point than the cell's TCP
+  }
   if (const MotionOutcome stop = stop_of(state.safety_mode); stop != MotionOutcome::kDone) {
     halt({.outcome = stop, .text = fmt::format("safety mode {}", name_of(state.safety_mode))});
   }

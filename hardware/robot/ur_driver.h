@@ -78,6 +78,7 @@ class UrDriver {
   /// It was told so. @param why  it may still have the program; empty: it has it no more
   void on_program_dropped(const std::string& why);
 
+  /// Where the arm stands still, with the cell's TCP on the pendant.
   std::optional<StillPose> still_pose() const { return still_.pose(); }
 
   /// Waits for packages of a standstill from now on.

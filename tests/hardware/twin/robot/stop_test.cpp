@@ -155,6 +155,19 @@ TEST(RemoteControlOff, TheReasonOfATimeoutIsNamedAgainAtTheNextMotion) {
   EXPECT_EQ(again->text, "remote control is off (the controller did not begin the motion)");
 }
 
+// Somebody has changed it at the pendant since the arm arrived: its pose is of another point.
+TEST(Standstill, WithAnotherTcpThanTheCellsIsNone) {
+  TwinHarness harness;
+  harness.run(0.5);
+  EXPECT_TRUE(harness.driver.still_pose().has_value());
+  harness.twin.add_fault({.kind = FaultKind::kWrongTcp});
+  harness.run(0.5);
+  EXPECT_FALSE(harness.driver.still_pose().has_value());
+  harness.twin.add_fault({.kind = FaultKind::kRelease});
+  harness.run(0.5);
+  EXPECT_TRUE(harness.driver.still_pose().has_value());
+}
+
 // The controller finds other joints for the end of a line than the nominal arm has there.
 TEST(Line, OfACalibratedArmArrivesByItsPose) {
   TwinSettings settings = test_twin(ArmModel::kUr3e);

@@ -98,9 +98,14 @@ struct TcpLink::Impl {
   }
 };
 
-TcpLink::TcpLink(const std::string& host, int port, double timeout_s, const ResolveHost& resolve)
-    : impl_(std::make_unique<Impl>()) {
-  impl_->peer = fmt::format("{}:{}", host, port);
+TcpLink::TcpLink(const std::string& host, int port, double timeout_s, const ResolveHost& resolve) {
+  const std::string peer = fmt::format("{}:{}", host, port);
+  try {
+    impl_ = std::make_unique<Impl>();
+  } catch (const boost::system::system_error& error_of_system) {
+    throw IoError(fmt::format("{}: {}", peer, error_of_system.what()));
+  }
+  impl_->peer = peer;
   const auto begin = std::chrono::steady_clock::now();
   std::vector<tcp::endpoint> found;
   try {
@@ -174,6 +179,12 @@ void TcpLink::finish(double timeout_s) {
   } catch (const IoError&) {
     return;  // closed
   }
+}
+
+void TcpLink::abandon() {
+  error_code ignored;
+  impl_->socket.set_option(tcp::socket::linger(true, 0), ignored);
+  impl_->socket.close(ignored);
 }
 
 const std::string& TcpLink::peer() const {

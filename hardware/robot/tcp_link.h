@@ -19,7 +19,8 @@ std::vector<std::string> resolve_host(const std::string& host);
 class TcpLink {
  public:
   /// @param host  an address, or a name: looked up and connected to within the time together
-  /// @throws IoError naming host and port: unknown, refused, no answer in time
+  /// @throws IoError naming host and port: unknown, refused, no answer in time; the system has no
+  ///         descriptors left
   TcpLink(const std::string& host,
           int port,
           double timeout_s,
@@ -38,6 +39,10 @@ class TcpLink {
   /// Tells the peer that nothing more comes, and waits until it closes, too: what was closed at
   /// once might be thrown away unread.
   void finish(double timeout_s);
+
+  /// Closes the connection at once: what waits to be sent is thrown away. Nothing is read or
+  /// written any more.
+  void abandon();
 
   /// "127.0.0.1:30004", of the peer as it was reached.
   const std::string& peer() const;

@@ -78,11 +78,19 @@ struct UrRobot::Impl {
     try {
       serve();
       return true;
-    } catch (const IoError& error) {
+    } catch (const std::exception& error) {  // of any kind: an arm that moves is to be stopped
       const std::lock_guard lock(mutex);
       failure = failure.empty() ? error.what() : failure;
       lose(error.what());
       return false;
+    }
+  }
+
+  /// A motion that this connection has not delivered must not come after the stop on another one.
+  void lose_primary(const std::string& why) {
+    driver.on_primary_closed(why);
+    if (!driver.result()) {
+      primary->abandon();
     }
   }
 
@@ -105,7 +113,7 @@ struct UrRobot::Impl {
       link.write(last_stop, kWriteS);
       link.finish(kWriteS);
       last_stop.clear();
-    } catch (const IoError&) {
+    } catch (const std::exception&) {
       return;  // tried again until there is a result, which says that the link is lost
     }
   }
@@ -114,7 +122,7 @@ struct UrRobot::Impl {
   void finish_scripts() {
     const auto is_written = [this] {
       return try_serve([this] { serve_primary(); },
-                       [this](const std::string& why) { driver.on_primary_closed(why); });
+                       [this](const std::string& why) { lose_primary(why); });
     };
     if (!has_primary || !is_written()) {
       send_last_stop();
@@ -127,9 +135,8 @@ struct UrRobot::Impl {
     bool has_rtde = true;
     while (!token.stop_requested() && (has_rtde || has_primary)) {
       // Scripts first: a stop must go out even when RTDE has fallen silent.
-      has_primary = has_primary &&
-                    try_serve([this] { serve_primary(); },
-                              [this](const std::string& why) { driver.on_primary_closed(why); });
+      has_primary = has_primary && try_serve([this] { serve_primary(); },
+                                             [this](const std::string& why) { lose_primary(why); });
       if (!has_primary) {
         send_last_stop();
       }

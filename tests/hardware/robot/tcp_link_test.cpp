@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/robot/tcp_link.h"
 
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
 #include <chrono>
 #include <future>
 #include <memory>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -71,6 +78,80 @@ TEST(TcpLink, NamesHostAndPortOfWhatFails) {
     free_port = closed.port();
   }
   EXPECT_THAT(failure_of("127.0.0.1", free_port, resolve_host), HasSubstr("refused"));
+}
+
+/// As long as it lives the process gets no further descriptor.
+class NoDescriptors {
+ public:
+  NoDescriptors() {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    const int next = ::dup(STDERR_FILENO);
+    ::close(next);
+    const rlimit none = {.rlim_cur = static_cast<rlim_t>(next), .rlim_max = before_.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &none);
+  }
+
+  ~NoDescriptors() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+
+  NoDescriptors(const NoDescriptors&) = delete;
+  NoDescriptors& operator=(const NoDescriptors&) = delete;
+
+ private:
+  rlimit before_ = {};
+};
+
+// A stop may have to go out just then: no other kind of exception ends the thread that tries.
+TEST(TcpLink, SaysThatThereAreNoDescriptorsLeft) {
+  std::string failure;
+  {
+    const NoDescriptors none;
+    failure = failure_of("127.0.0.1", 7, resolve_host);
+  }
+  EXPECT_THAT(failure, HasSubstr("127.0.0.1:7: "));
+  EXPECT_THAT(failure, HasSubstr("open files"));
+}
+
+/// A link whose peer reads nothing, filled until its machine takes no more: bytes wait to be sent.
+struct FullLink {
+  FullLink() {
+    const std::string script(std::size_t{1} << 20U, 'x');
+    try {
+      for (int i = 0; i < 100; ++i) {
+        link.write(script, 0.05);
+      }
+    } catch (const IoError&) {
+      is_full = true;
+    }
+  }
+
+  ~FullLink() { ::close(peer); }
+
+  FullLink(const FullLink&) = delete;
+  FullLink& operator=(const FullLink&) = delete;
+
+  /// Reads all that the peer gets. @return what its last read said, 0 at the end of the connection
+  ssize_t read_all() const {
+    std::array<char, 65536> bytes = {};
+    ssize_t count = 1;
+    while (count > 0) {
+      count = ::recv(peer, bytes.data(), bytes.size(), 0);
+    }
+    return count;
+  }
+
+  LoopbackListener listener;
+  TcpLink link{"127.0.0.1", listener.port(), 1.0};
+  int peer = listener.accept(1000);
+  bool is_full = false;
+};
+
+// As a motion whose stop goes out on another connection.
+TEST(TcpLink, DeliversNothingThatWaitsWhenItIsAbandoned) {
+  FullLink full;
+  ASSERT_TRUE(full.is_full);
+  full.link.abandon();
+  EXPECT_EQ(full.read_all(), -1);
+  EXPECT_EQ(errno, ECONNRESET) << "the rest was thrown away";
 }
 
 }  // namespace

@@ -44,10 +44,15 @@ class RtdeClient {
   /// The controller knows that output.
   bool has(std::string_view output) const;
 
-  /// Value of the newest package. The output was asked for, and is of that type.
+  /// Value of the newest package. The output was asked for.
+  /// @throws ProtocolError when the controller sends it as another type
   template <class Value>
   Value get(std::string_view output) const {
-    return std::get<Value>(value(output));
+    const auto* held = std::get_if<Value>(&value(output));
+    if (held == nullptr) {
+      throw ProtocolError("RTDE: " + std::string(output) + " is of another type than it must be");
+    }
+    return *held;
   }
 
   /// Sends values of the inputs, in the order of the request. Only while streaming.

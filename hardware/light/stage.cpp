@@ -35,6 +35,27 @@ unsigned grey_at(const ImageF& picture, int x, int y) {
   return static_cast<unsigned>(std::lround(255.0F * value));
 }
 
+/// Gives lines one after the other, while there is time for an answer among them: a controller that
+/// talks on and on does not answer.
+class StageAnswers {
+ public:
+  explicit StageAnswers(TextLink& link) : link_(link) {}
+
+  std::optional<std::string> next() {
+    constexpr int kMaxLines = 200;
+    const auto left = std::chrono::ceil<milliseconds>(until_ - std::chrono::steady_clock::now());
+    if (++lines_ > kMaxLines || left <= milliseconds(0)) {
+      return std::nullopt;
+    }
+    return link_.line(left);
+  }
+
+ private:
+  TextLink& link_;
+  std::chrono::steady_clock::time_point until_ = std::chrono::steady_clock::now() + kAnswer;
+  int lines_ = 0;
+};
+
 }  // namespace
 
 LinearStage::LinearStage(TextLink& link, const StageWay& way) : link_(link), way_(way) {
@@ -44,7 +65,8 @@ LinearStage::LinearStage(TextLink& link, const StageWay& way) : link_(link), way
 
 void LinearStage::command(const std::string& line) {
   link_.send(line + "\n");
-  while (const auto answer = link_.line(kAnswer)) {
+  StageAnswers answers(link_);
+  while (const auto answer = answers.next()) {
     if (*answer == "ok") {
       return;
     }
@@ -57,7 +79,8 @@ void LinearStage::command(const std::string& line) {
 
 LinearStage::Status LinearStage::status() {
   link_.send("?");
-  while (const auto answer = link_.line(kAnswer)) {
+  StageAnswers answers(link_);
+  while (const auto answer = answers.next()) {
     if (answer->starts_with("ALARM:")) {
       throw IoError("linear stage: " + *answer);
     }
@@ -89,7 +112,7 @@ void LinearStage::go_to(int position) {
       throw IoError("linear stage: it is in alarm");
     }
     if (now.state == "Idle") {
-      if (std::abs(now.x_mm - goal_mm) > way_.tolerance_mm) {
+      if (!(std::abs(now.x_mm - goal_mm) <= way_.tolerance_mm)) {
         throw IoError(
             fmt::format("linear stage: it stands at {} mm, not at {} mm", now.x_mm, goal_mm));
       }

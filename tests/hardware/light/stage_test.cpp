@@ -1,15 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/light/stage.h"
 
-#include <gmock/gmock.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
+#include <chrono>
 #include <fstream>
+#include <functional>
+#include <string>
+#include <string_view>
 #include <thread>
+
+#include <gmock/gmock.h>
 
 #include "core/error.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
+#include "core/wall_clock.h"
 #include "hardware/twin/stage/stage_twin.h"
+#include "tests/support/loopback_listener.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -79,6 +89,72 @@ TEST(LinearStage, NamesAControllerThatIsGone) {
   twin.reset();
   EXPECT_THROW(stage.go_to(1), IoError);
   EXPECT_THROW(TextLink::tcp("127.0.0.1", port, milliseconds(1000)), IoError);
+}
+
+/// A controller that answers each piece of text by what a function says.
+class AnsweringController {
+ public:
+  using Answer = std::function<std::string(std::string_view text)>;
+
+  explicit AnsweringController(Answer answer)
+      : answer_(std::move(answer)), thread_([this] { serve(); }) {}
+
+  ~AnsweringController() {
+    listener_.shut_down();
+    thread_.join();
+  }
+
+  AnsweringController(const AnsweringController&) = delete;
+  AnsweringController& operator=(const AnsweringController&) = delete;
+
+  int port() const { return listener_.port(); }
+
+ private:
+  void serve() {
+    const int peer = listener_.accept(5000);
+    std::array<char, 256> bytes = {};
+    ssize_t count = 0;
+    while ((count = ::recv(peer, bytes.data(), bytes.size(), 0)) > 0) {
+      const std::string text = answer_({bytes.data(), static_cast<std::size_t>(count)});
+      ::send(peer, text.data(), text.size(), MSG_NOSIGNAL);
+    }
+    ::close(peer);
+  }
+
+  Answer answer_;
+  LoopbackListener listener_;
+  std::thread thread_;  // last: uses the others
+};
+
+/// What going to a position fails with; the controller says that it stands there.
+std::string failure_at(const std::string& where) {
+  const AnsweringController controller([&where](std::string_view text) {
+    return text == "?" ? "<Idle|MPos:" + where + ",0,0>\n" : std::string("ok\n");
+  });
+  TextLink link = TextLink::tcp("127.0.0.1", controller.port(), milliseconds(1000));
+  LinearStage stage(link, kWay);
+  return text_thrown_by<IoError>([&stage] { stage.go_to(0); });
+}
+
+TEST(LinearStage, AtNoNumberIsNotThere) {
+  EXPECT_EQ(failure_at("10.000"), "nothing thrown");
+  EXPECT_THAT(failure_at("10.03"), HasSubstr("stands at 10.03 mm, not at 10 mm"));
+  EXPECT_THAT(failure_at("nan"), HasSubstr("stands at nan mm"));
+}
+
+TEST(LinearStage, AControllerThatTalksOnDoesNotAnswer) {
+  const AnsweringController controller([](std::string_view) {
+    std::string text;
+    for (int i = 0; i < 1000; ++i) {
+      text += "[MSG:hello]\n";
+    }
+    return text;
+  });
+  TextLink link = TextLink::tcp("127.0.0.1", controller.port(), milliseconds(1000));
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_THAT(text_thrown_by<IoError>([&link] { LinearStage(link, kWay); }),
+              HasSubstr("G90 is not answered"));
+  EXPECT_LT(seconds_since(begin), 1.5) << "not when it falls silent";
 }
 
 TEST(FolderStage, ShowsThePictureOfItsPosition) {

@@ -55,7 +55,8 @@ bool OutputLight::is_on() const {
 }
 
 void PromptedLight::set(bool is_on) {
-  if (!confirm_ || !confirm_(fmt::format("turn {} the light {}", word(is_on), name_))) {
+  if (!confirm_ || !confirm_(fmt::format(
+                       "turn {} the light {}, then leave the arm's reach", word(is_on), name_))) {
     throw IoError(fmt::format("light {}: nobody confirms that it is {}", name_, word(is_on)));
   }
   is_on_ = is_on;

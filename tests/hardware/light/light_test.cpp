@@ -59,7 +59,9 @@ TEST(PromptedLight, IsAsTheLastPersonConfirmed) {
   answer = false;
   EXPECT_THROW(bar.set(false), IoError);
   EXPECT_TRUE(bar.is_on());
-  EXPECT_THAT(asked, ElementsAre("turn on the light bar", "turn off the light bar"));
+  EXPECT_THAT(asked,
+              ElementsAre("turn on the light bar, then leave the arm's reach",
+                          "turn off the light bar, then leave the arm's reach"));
   EXPECT_THROW(PromptedLight("bar", {}).set(true), IoError);
 }
 

@@ -158,6 +158,7 @@ int move_to(const Cell& cell,
             const CellArguments& arguments,
             const CommonArguments& common,
             const MotionPermit& permit) {
+  keep_attending();
   const Json result = move_robot(cell,
                                  position,
                                  {.share = arguments.speed_share,

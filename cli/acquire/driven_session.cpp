@@ -35,7 +35,9 @@ AcquireOptions driven_options(const AcquireArguments& arguments) {
 }
 
 DrivenSession::DrivenSession(bool is_silent)
-    : is_silent_(is_silent), interrupts_(take_interrupts()) {}
+    : is_silent_(is_silent), interrupts_(take_interrupts()) {
+  keep_attending();
+}
 
 void DrivenSession::attend(AcquireOptions& options) {
   options.confirm = ask_person;

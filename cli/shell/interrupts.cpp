@@ -31,4 +31,10 @@ const std::atomic<int>& take_interrupts() {
   return interrupt_count;
 }
 
+void keep_attending() {
+  for (const int signal : {SIGPIPE, SIGTSTP, SIGTTOU}) {
+    std::signal(signal, SIG_IGN);
+  }
+}
+
 }  // namespace glint

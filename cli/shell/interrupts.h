@@ -13,4 +13,9 @@ namespace glint {
 /// @return how many have come
 const std::atomic<int>& take_interrupts();
 
+/// From now on a reader of the output who has gone (`| head`) does not end the program, and neither
+/// Ctrl-Z nor writing from the background halts it: for work that has to be attended, as an arm on
+/// its way is.
+void keep_attending();
+
 }  // namespace glint

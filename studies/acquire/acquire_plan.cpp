@@ -121,6 +121,25 @@ double exposure_of(const SceneSettings& scene) {
   return with_equal_exposure(store, scene).sensor.exposure;
 }
 
+bool lies_in_cell(const AcquireSource& source) {
+  return source.scene && source.scene->cell &&
+         (source.scene->cell->base_from_part || source.scene->cell->flange_from_part);
+}
+
+/// The [[view]] of the cell that says how a planned view is taken; nullptr: none does. Planned by
+/// the cell's file alone the views are its own, one by one, with a name or without; others have
+/// their names.
+const CellPosition* own_view(const ViewPlan& views,
+                             std::size_t index,
+                             const AcquireSource& source,
+                             const Cell& cell) {
+  if (!source.plan && !lies_in_cell(source)) {
+    return &cell.views.at(index);
+  }
+  const auto own = std::ranges::find(cell.views, views.views[index].name, &CellPosition::name);
+  return own == cell.views.end() ? nullptr : &*own;
+}
+
 std::vector<ViewTask> tasks_of(const ViewPlan& views,
                                const Tour& tour,
                                const AcquireSource& source,
@@ -138,10 +157,10 @@ std::vector<ViewTask> tasks_of(const ViewPlan& views,
     if (view.outcome != ViewOutcome::kPlanned) {
       continue;
     }
-    const auto own = std::ranges::find(cell.views, view.name, &CellPosition::name);
+    const CellPosition* own = own_view(views, i, source, cell);
     ViewTask task = {.point = point_named(tour, view), .name = view.name};
     task.exposure_us = 1e6 * camera_of(cell).exposure_s;
-    if (own != cell.views.end()) {
+    if (own != nullptr) {
       task.lights = own->lights;
       task.exposure_us = 1e6 * own->exposure_s.value_or(camera_of(cell).exposure_s);
     }
@@ -174,11 +193,6 @@ void check_names(const std::vector<ViewTask>& tasks) {
       }
     }
   }
-}
-
-bool lies_in_cell(const AcquireSource& source) {
-  return source.scene && source.scene->cell &&
-         (source.scene->cell->base_from_part || source.scene->cell->flange_from_part);
 }
 
 const SceneSettings* scene_of(const AcquireSource& source) {

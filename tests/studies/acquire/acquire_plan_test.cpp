@@ -92,6 +92,17 @@ TEST_F(AcquirePlan, IsTheCellsOwnViewsWithoutAnother) {
   EXPECT_EQ(work.digest, work_of({}, cell_of(kCell), 0.5).digest);
 }
 
+TEST_F(AcquirePlan, AViewWithoutANameHasItsOwnLightsAndExposure) {
+  const std::string joints = "joints_deg = [20, -95, 95, -85, -90, 0]\n";
+  const std::string text =
+      edited(kCell, joints, joints + "lights = [\"ring\"]\nexposure_us = 700\n");
+  const AcquireWork work = work_of({}, cell_of(text), 0.5);
+  ASSERT_EQ(work.plan.tasks.size(), 2U);
+  EXPECT_EQ(work.plan.tasks[1].name, "view_2");
+  EXPECT_THAT(work.plan.tasks[1].lights, ElementsAre("ring"));
+  EXPECT_NEAR(work.plan.tasks[1].exposure_us, 700.0, 1e-9);
+}
+
 TEST_F(AcquirePlan, SaysWhichViewOfTheCellCannotBeTaken) {
   std::string text = kCell;
   text += "[[view]]\nname = \"low\"\njoints_deg = [0, 0, 30, -90, -90, 0]\n";

@@ -59,6 +59,18 @@ std::string RtdeSession::reply_to(const FrameSplitter::Frame& frame) {
   throw ProtocolError(fmt::format("RTDE: a package of unknown kind {}", frame.kind));
 }
 
+/// Ids begin again after 255 recipes: 0 stands for none, and those of inputs stay theirs.
+std::uint8_t RtdeSession::next_id() {
+  const auto is_taken = [this](std::uint8_t id) {
+    return id == 0 || std::ranges::any_of(
+                          inputs_, [id](const Inputs& inputs) { return inputs.recipe.id == id; });
+  };
+  do {
+    ++newest_id_;
+  } while (is_taken(newest_id_));
+  return newest_id_;
+}
+
 std::string RtdeSession::set_up_outputs(std::string_view payload) {
   ByteReader reader(payload);
   const double rate_hz = reader.take_double();
@@ -84,7 +96,7 @@ std::string RtdeSession::set_up_outputs(std::string_view payload) {
       std::isfinite(rate_hz) ? std::clamp(rate_hz, 1.0, twin_.rate_hz()) : twin_.rate_hz();
   every_cycles_ = twin_.rate_hz() / wanted_hz;
   if (has_outputs_) {
-    outputs_.id = ++num_recipes_;
+    outputs_.id = next_id();
     reply.id = outputs_.id;
   }
   return recipe_reply(RtdeKind::kOutputs, reply);
@@ -112,7 +124,7 @@ std::string RtdeSession::set_up_inputs(std::string_view payload) {
     for (const std::string& name : names) {
       held_.emplace(name, this);
     }
-    inputs.recipe.id = ++num_recipes_;
+    inputs.recipe.id = next_id();
     reply.id = inputs.recipe.id;
     inputs_.push_back(std::move(inputs));
   }

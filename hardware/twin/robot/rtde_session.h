@@ -42,6 +42,7 @@ class RtdeSession {
   };
 
   std::string reply_to(const FrameSplitter::Frame& frame);
+  std::uint8_t next_id();
   std::string set_up_outputs(std::string_view payload);
   std::string set_up_inputs(std::string_view payload);
   std::string take_data(std::string_view payload);
@@ -55,8 +56,8 @@ class RtdeSession {
   bool has_started_ = false;
   double every_cycles_ = 1.0;
   double waited_cycles_ = 0.0;
-  std::uint8_t num_recipes_ = 0;
-  std::string newest_;  ///< package of data, for stamps that stand still
+  std::uint8_t newest_id_ = 0;  ///< of a recipe
+  std::string newest_;          ///< package of data, for stamps that stand still
 };
 
 }  // namespace glint

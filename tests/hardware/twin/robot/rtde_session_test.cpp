@@ -74,6 +74,20 @@ TEST(RtdeSession, AnInputIsHeldByOneClient) {
       << "a client that is gone holds nothing";
 }
 
+// One byte holds the id of a recipe, 0 stands for none.
+TEST(RtdeSession, NoIdOfARecipeIsGivenTwiceHoweverOftenOutputsAreSetUp) {
+  Bench bench;
+  const std::uint8_t inputs =
+      Bench::recipe(bench.session, inputs_request({"speed_slider_mask"})).id;
+  EXPECT_GT(inputs, 0);
+  for (int i = 0; i < 600; ++i) {
+    const std::uint8_t outputs =
+        Bench::recipe(bench.session, outputs_request(125.0, {"timestamp"})).id;
+    ASSERT_NE(outputs, 0) << i;
+    ASSERT_NE(outputs, inputs) << i;
+  }
+}
+
 // Mask 0b110, values 0b011: output 1 on, output 2 off, output 0 as it was.
 TEST(RtdeSession, DigitalOutputsFollowTheirMask) {
   Bench bench;

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/robot/tcp_link.h"
 
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -149,6 +153,15 @@ void TcpLink::write(std::string_view bytes, double timeout_s) {
   if (error) {
     throw IoError(fmt::format("{}: {}", impl_->peer, error.message()));
   }
+}
+
+void TcpLink::set_longest_delivery(double seconds) {
+  const auto milliseconds = static_cast<unsigned>(1e3 * seconds);
+  ::setsockopt(impl_->socket.native_handle(),
+               IPPROTO_TCP,
+               TCP_USER_TIMEOUT,
+               &milliseconds,
+               sizeof(milliseconds));
 }
 
 std::string TcpLink::read(double timeout_s) {

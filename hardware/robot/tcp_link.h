@@ -32,6 +32,11 @@ class TcpLink {
   /// @throws IoError when the peer is gone or does not take the bytes in time
   void write(std::string_view bytes, double timeout_s);
 
+  /// What the peer's machine has not acknowledged within this time is thrown away with the
+  /// connection, also when this process has ended meanwhile.
+  /// @param seconds  0: as long as the system tries, which may be a quarter of an hour
+  void set_longest_delivery(double seconds);
+
   /// What has come, at most 64 kB: empty when nothing came in time.
   /// @throws IoError when the peer has closed the connection
   std::string read(double timeout_s);

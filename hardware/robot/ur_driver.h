@@ -30,6 +30,9 @@ class UrDriver {
   /// dropped.
   std::string take_script_output();
 
+  /// The arm is being stopped: what goes out ends in the stop.
+  bool is_stopping() const { return stopping_.has_value(); }
+
   /// All times are seconds of one clock that never goes back.
   void on_rtde(std::string_view bytes, double now_s);
   void on_rtde_closed(const std::string& why);

@@ -21,6 +21,9 @@ namespace {
 constexpr double kReadS = 0.005;  ///< how long the reader waits for one connection
 constexpr double kWriteS = 0.5;
 constexpr double kDashboardS = 2.0;
+/// A motion begins so soon or never, also when this process is killed while a cable is out. A stop
+/// may come as late as it gets there.
+constexpr double kMotionDeliveryS = 2.0;
 constexpr auto kPoll = std::chrono::milliseconds(20);
 
 /// A text that begins with the peer's address, once: connections name it, protocols do not.
@@ -55,9 +58,11 @@ struct UrRobot::Impl {
   void serve_primary() {
     std::string output;
     TcpLink* link = nullptr;
+    bool is_stop = false;
     {
       const std::lock_guard lock(mutex);
       link = primary.get();
+      is_stop = driver.is_stopping();
       output = driver.take_script_output();
     }
     if (link == nullptr) {
@@ -65,6 +70,7 @@ struct UrRobot::Impl {
     }
     if (!output.empty()) {
       has_sent = true;
+      link->set_longest_delivery(is_stop ? 0.0 : kMotionDeliveryS);
       link->write(output, kWriteS);
     }
     const std::string bytes = link->read(0.0);

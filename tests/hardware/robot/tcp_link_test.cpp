@@ -145,6 +145,16 @@ struct FullLink {
   bool is_full = false;
 };
 
+// As a motion that was sent when the cable was out: it does not begin when it is plugged in again.
+TEST(TcpLink, DeliversNothingAfterTheLongestTimeForIt) {
+  FullLink full;
+  ASSERT_TRUE(full.is_full);
+  full.link.set_longest_delivery(0.2);
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_THROW(full.link.read(5.0), IoError) << "the connection is closed";
+  EXPECT_LT(seconds_since(begin), 4.0);
+}
+
 // As a motion whose stop goes out on another connection.
 TEST(TcpLink, DeliversNothingThatWaitsWhenItIsAbandoned) {
   FullLink full;

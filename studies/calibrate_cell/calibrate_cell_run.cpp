@@ -186,12 +186,13 @@ class CellCalibration {
   }
 
   Json calibrate() const {
-    return calibrate_pictures({.pictures = pictures_,
-                               .board = options_.board,
-                               .poses = {folder_ / "poses.toml"},
-                               .out = folder_ / "calibration",
-                               .setup = options_.setup,
-                               .threads = options_.threads});
+    const CalibrateOptions options = {.pictures = pictures_,
+                                      .board = options_.board,
+                                      .poses = {folder_ / "poses.toml"},
+                                      .out = folder_ / "calibration",
+                                      .setup = options_.setup,
+                                      .threads = options_.threads};
+    return options_.calibrate ? options_.calibrate(options) : calibrate_pictures(options);
   }
 
   /// The poses of the pictures that the calibration rests on; a plan of others no longer counts.

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
@@ -21,6 +22,12 @@
 
 namespace glint {
 
+struct CalibrateOptions;
+
+/// Of the pictures of all rounds so far: writes calibration.toml and calibration.json into the
+/// options' `out` and returns what the latter holds.
+using RoundCalibration = std::function<nlohmann::ordered_json(const CalibrateOptions&)>;
+
 struct CalibrateCellOptions {
   AcquireOptions acquire;  ///< its `source` and `views` are not used; `out` is the whole folder
   std::filesystem::path board;  ///< board.toml or board.json, needed
@@ -28,6 +35,7 @@ struct CalibrateCellOptions {
   std::string setup = "eye_in_hand";  ///< or "eye_to_hand": the board is on the flange
   int poses_a_round = 8;
   int threads = 1;
+  RoundCalibration calibrate = {};  ///< empty: calibrate_pictures()
 };
 
 /// Where results go: `out`, else out/<folder of the cell's file>/calibrate.

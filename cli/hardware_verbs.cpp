@@ -223,7 +223,7 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       ->add_option("--set",
                    arguments.sets,
                    "convention.key=value: what the poses' numbers mean; poses.pair_by=order; "
-                   "prior.focal_px=5: --camera is known to 5 px")
+                   "prior.focal_px=5: --camera is known to 5 px; prediction.splits=20")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   calibrate

@@ -24,6 +24,8 @@ constexpr std::int64_t kFewPictures = 16;  ///< that many are shown larger on th
 constexpr const char* kTable = "convention";
 constexpr const char* kPriorTable = "prior";
 constexpr const char* kPairBy = "poses.pair_by";
+constexpr const char* kPredictionTable = "prediction";
+constexpr int kMaxSplits = 100;
 
 /// What the command line says of which pose belongs to which picture.
 PairBy said_pairing(const std::vector<KeyValue>& sets) {
@@ -62,14 +64,34 @@ Settings said_settings(const std::vector<KeyValue>& sets, const std::string& nam
   return settings;
 }
 
+bool is_of_table(const KeyValue& set, const std::string& name) {
+  return set.path.starts_with(name + ".");
+}
+
+/// Where nothing is calibrated: of the poses alone.
+void check_pose_sets(const CalibrateOptions& options) {
+  for (const KeyValue& set : options.sets) {
+    if (set.path != kPairBy && !is_of_table(set, kTable)) {
+      throw ConfigError(fmt::format(
+          "--set: {}: must begin with \"convention.\", like convention.unit=m, or be {}",
+          set.path,
+          kPairBy));
+    }
+    if (options.poses.empty()) {
+      throw ConfigError(fmt::format("--set: {}: needs --poses", set.path));
+    }
+  }
+}
+
 /// Each --set with what it needs.
 void check_sets(const CalibrateOptions& options) {
   for (const KeyValue& set : options.sets) {
-    const bool is_prior = set.path.starts_with(std::string(kPriorTable) + ".");
-    if (!is_prior && set.path != kPairBy && !set.path.starts_with(std::string(kTable) + ".")) {
+    const bool is_prior = is_of_table(set, kPriorTable);
+    if (!is_prior && set.path != kPairBy && !is_of_table(set, kTable) &&
+        !is_of_table(set, kPredictionTable)) {
       throw ConfigError(fmt::format(
           "--set: {}: must begin with \"convention.\", like convention.unit=m, or with \"prior.\", "
-          "like prior.focal_px=5, or be {}",
+          "like prior.focal_px=5, or be {} or prediction.splits",
           set.path,
           kPairBy));
     }
@@ -78,6 +100,16 @@ void check_sets(const CalibrateOptions& options) {
           fmt::format("--set: {}: needs {}", set.path, is_prior ? "--camera" : "--poses"));
     }
   }
+}
+
+/// How well pictures are predicted that were left out.
+struct PredictionSettings {
+  int splits = 0;  ///< 0: not said
+};
+
+void visit_keys(KeyVisitor& keys, PredictionSettings& settings) {
+  keys.integer(
+      "splits", settings.splits, Range::between(1, kMaxSplits), "random splits in five parts");
 }
 
 /// Standard deviations of a known camera's numbers; 0: exact.
@@ -145,7 +177,11 @@ void check_given(const CalibrateOptions& options) {
       throw ConfigError(fmt::format("{}: needs --poses", option));
     }
   }
-  check_sets(options);
+  if (options.known_board) {
+    check_pose_sets(options);
+  } else {
+    check_sets(options);
+  }
 }
 
 void read_robot(const CalibrateOptions& options, CalibrateInput& input) {
@@ -243,37 +279,6 @@ void find_boards(const CalibrateOptions& options, CalibrateInput& input, ThreadP
   for (SeenPicture& picture : seen) {
     input.views.push_back(std::move(picture.view));
     input.shown.push_back(std::move(picture.shown));
-  }
-}
-
-bool has_corner(const Board& board, const Eigen::Vector3d& at_mm) {
-  const double near_mm = 1e-3 * board.square_mm;
-  for (int row = 0; row < board.rows; ++row) {
-    for (int col = 0; col < board.cols; ++col) {
-      if ((corner_mm(board, col, row) - at_mm).norm() < near_mm) {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
-/// The corners of a file are to be those of the board that is given with it.
-void check_corners(const CalibrateOptions& options, const Board& board, const FoundCorners& found) {
-  for (const BoardView& view : found.views) {
-    for (const Eigen::Vector3d& at_mm : view.board_mm) {
-      if (!has_corner(board, at_mm)) {
-        throw ConfigError(fmt::format(
-            "{}: has a corner at {:g}, {:g} mm, where the board given has none ({} x {} corners, "
-            "squares of {:g} mm): its corners were found with another board",
-            options.from.string(),
-            at_mm.x(),
-            at_mm.y(),
-            board.cols,
-            board.rows,
-            board.square_mm));
-      }
-    }
   }
 }
 
@@ -389,6 +394,7 @@ std::vector<Eigen::Isometry3d> picture_poses(const CalibrateInput& input,
 }
 
 std::vector<Eigen::Isometry3d> poses_of_pictures(const CalibrateOptions& options) {
+  check_pose_sets(options);
   CalibrateInput input;
   for (const fs::path& picture : options.pictures) {
     input.names.push_back(picture.string());
@@ -410,6 +416,7 @@ CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool&
   }
   input.board = board_of(options);
   input.given_board = input.board;
+  input.five_fold_splits = said_settings<PredictionSettings>(options.sets, kPredictionTable).splits;
   if (!options.camera.empty()) {
     read_known_camera(options, input);
   }
@@ -420,7 +427,7 @@ CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool&
     find_boards(options, input, pool);
     check_size_of_board(options, input);
   } else {
-    check_corners(options, input.board, found);
+    check_corners(found, input.board, options.from.string());
     take_corners(input, std::move(found));
   }
   judge_marks(input);

@@ -33,9 +33,10 @@ struct CalibrateOptions {
   std::vector<std::filesystem::path> poses;  ///< empty: the camera alone
   std::filesystem::path camera;              ///< known intrinsics; empty: all are estimated
   std::filesystem::path out;                 ///< empty: out/<the pictures' folder>/calibrate
-  std::string setup;           ///< "eye_in_hand", "eye_to_hand"; empty: as the board's file says
-  std::string method;          ///< of OpenCV's, name_of(HandEyeMethod); empty: our own
-  std::vector<KeyValue> sets;  ///< convention.key, poses.pair_by, prior.key, over what files say
+  std::string setup;   ///< "eye_in_hand", "eye_to_hand"; empty: as the board's file says
+  std::string method;  ///< of OpenCV's, name_of(HandEyeMethod); empty: our own
+  /// convention.key, poses.pair_by, prior.key, over what files say; prediction.splits
+  std::vector<KeyValue> sets;
   int threads = 1;
 };
 
@@ -56,13 +57,15 @@ struct CalibrateInput {
   std::vector<BoardCorners> corners;  ///< of each picture; no corners where it was not accepted
   std::vector<std::string> shown;     ///< of each picture, small, as report_png(); empty: none
   std::vector<std::string> notes;     ///< what was guessed
+  int five_fold_splits = 0;           ///< of the prediction; 0: 20, fewer of many pictures
 };
 
 /// base_from_flange of each picture. @throws ConfigError where a pose cannot be read that way
 std::vector<Eigen::Isometry3d> picture_poses(const CalibrateInput& input,
                                              const PoseConvention& convention);
 
-/// base_from_flange of each picture, without looking for boards. @throws ConfigError, IoError
+/// base_from_flange of each picture, without looking for boards.
+/// @throws ConfigError, also for sets that are not of poses; IoError
 std::vector<Eigen::Isometry3d> poses_of_pictures(const CalibrateOptions& options);
 
 /// Reads what is small first, so that slips are told before pictures are searched.

@@ -152,6 +152,18 @@ void add_row(const CornerTable& table, std::size_t row, FoundCorners& found) {
   view.picture_px.emplace_back(table.number(row, "x_px"), table.number(row, "y_px"));
 }
 
+bool has_corner(const Board& board, const Eigen::Vector3d& at_mm) {
+  const double near_mm = 1e-3 * board.square_mm;
+  for (int row = 0; row < board.rows; ++row) {
+    for (int col = 0; col < board.cols; ++col) {
+      if ((corner_mm(board, col, row) - at_mm).norm() < near_mm) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 std::string corners_csv(const CalibrateInput& input,
@@ -213,6 +225,24 @@ FoundCorners parse_corners(std::string_view text, const std::string& file) {
     throw ConfigError(fmt::format("{}: has no corners", file));
   }
   return found;
+}
+
+void check_corners(const FoundCorners& found, const Board& board, const std::string& file) {
+  for (const BoardView& view : found.views) {
+    for (const Eigen::Vector3d& at_mm : view.board_mm) {
+      if (!has_corner(board, at_mm)) {
+        throw ConfigError(fmt::format(
+            "{}: has a corner at {:g}, {:g} mm, where the board given has none ({} x {} corners, "
+            "squares of {:g} mm): its corners were found with another board",
+            file,
+            at_mm.x(),
+            at_mm.y(),
+            board.cols,
+            board.rows,
+            board.square_mm));
+      }
+    }
+  }
 }
 
 }  // namespace glint

@@ -41,4 +41,8 @@ struct FoundCorners {
 /// @throws ConfigError with file:line:column
 FoundCorners parse_corners(std::string_view text, const std::string& file);
 
+/// The corners of a file are to be those of the board that is given with it.
+/// @throws ConfigError naming the file and a corner that the board has not
+void check_corners(const FoundCorners& found, const Board& board, const std::string& file);
+
 }  // namespace glint

@@ -297,7 +297,9 @@ void predict_all(const CalibrateInput& input, SolvedCalibration& solved, ThreadP
   const int count = static_cast<int>(bundle.views.size());
   solved.prediction_folds = std::min(count, kMaxFolds);
   // Many pictures: a split says more, and takes longer.
-  solved.five_fold_splits = std::clamp(400 / std::max(1, count), 4, 20);
+  solved.five_fold_splits = input.five_fold_splits > 0
+                                ? input.five_fold_splits
+                                : std::clamp(400 / std::max(1, count), 4, 20);
   const auto left_out = predict_by_all(bundle, camera, prediction_folds(count), pool);
   const auto splits = predict_five_fold(bundle, camera, solved.five_fold_splits, pool);
   for (std::size_t i = 0; i < left_out.size(); ++i) {

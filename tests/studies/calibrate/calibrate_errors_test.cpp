@@ -196,36 +196,6 @@ TEST_F(CalibrateErrors, ModesTakeTheirOwnOptionsOnly) {
                  "points.csv:1:1: has no column z_mm");
 }
 
-TEST_F(CalibrateErrors, WordsAreChecked) {
-  write_file(folder_ / "poses.csv", "grey1.png,100,200,300,0,0,0.1\n");
-  const Arguments poses = {"--board", "board.toml", "--poses", "poses.csv"};
-  const auto with = [&](const Arguments& more) {
-    Arguments all = poses;
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
-  };
-  expect_refused({"grey1.png"}, with({"--setup", "hand"}), "--setup hand: must be eye_in_hand or");
-  expect_refused({"grey1.png"}, with({"--method", "best"}), "--method best: must be one of tsai, ");
-  expect_refused({"grey1.png"}, with({"--set", "unit=m"}), "must begin with \"convention.\"");
-  expect_refused(
-      {"grey1.png"}, {"--board", "board.toml", "--method", "park"}, "--method: needs --poses");
-}
-
-TEST_F(CalibrateErrors, APriorNeedsItsCamera) {
-  const Arguments prior = {"--board", "board.toml", "--set", "prior.focal_px=5"};
-  expect_refused({"grey1.png"}, prior, "--set: prior.focal_px: needs --camera");
-  expect_refused({"grey1.png"},
-                 {"--board", "board.toml", "--set", "convention.unit=m"},
-                 "--set: convention.unit: needs --poses");
-  write_file(folder_ / "camera.toml",
-             "[camera]\nwidth_px = 80\nheight_px = 60\nfocal_x_px = 500\n");
-  for (const auto& [set, told] :
-       {std::pair("prior.focal_px=-1", "must be >= 0"), std::pair("prior.fx=1", "prior.fx")}) {
-    expect_refused(
-        {"grey1.png"}, {"--board", "board.toml", "--camera", "camera.toml", "--set", set}, told);
-  }
-}
-
 TEST_F(CalibrateErrors, FilesOfOthersAreKept) {
   fs::create_directories(folder_ / "out");
   write_file(folder_ / "out/calibration.toml", "mine");

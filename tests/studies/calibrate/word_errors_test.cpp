@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Words and settings on the command line of `glint calibrate` that are refused.
+#include "core/image/image_io.h"
+#include "studies/calibrate/calibrate_run.h"
+#include "tests/studies/calibrate/calibrate_fixture.h"
+
+namespace glint::test {
+namespace {
+
+class CalibrateWords : public CalibrateVerb {
+ protected:
+  CalibrateWords() {
+    write_file(folder_ / "board.toml", "[board]\ncols = 9\nrows = 6\nsquare_mm = 25\n");
+    write_png(folder_ / "grey1.png", ImageF(80, 60, 0.5F), PixelDepth::k8Bit);
+  }
+};
+
+TEST_F(CalibrateWords, WordsAreChecked) {
+  write_file(folder_ / "poses.csv", "grey1.png,100,200,300,0,0,0.1\n");
+  const CalibrateOptions with_poses = {
+      .pictures = {"grey1.png"}, .board = "board.toml", .poses = {"poses.csv"}, .out = "out"};
+  const auto refused = [&](const auto& say, const std::string& message) {
+    CalibrateOptions options = with_poses;
+    say(options);
+    expect_refused_here([&] { calibrate_pictures(options); }, message);
+  };
+  refused([](auto& said) { said.setup = "hand"; }, "--setup hand: must be eye_in_hand or");
+  refused([](auto& said) { said.method = "best"; }, "--method best: must be one of tsai, ");
+  const auto refused_set = [&](const KeyValue& set, const std::string& message) {
+    refused([&set](auto& said) { said.sets = {set}; }, message);
+  };
+  refused_set({"unit", "m"}, "must begin with \"convention.\"");
+  refused_set({"prediction.splits", "0"}, "prediction.splits: is 0, must be in [1, 100]");
+  refused_set({"prediction.folds", "5"}, "prediction.folds");
+  expect_refused(
+      {"grey1.png"}, {"--board", "board.toml", "--method", "park"}, "--method: needs --poses");
+  expect_refused({"grey1.png"},
+                 {"--board", "board.toml", "--set", "prediction.splits=2"},
+                 "--set: prediction.splits: needs --poses");
+}
+
+/// Where nothing is calibrated nothing else is set than what the poses' numbers mean.
+TEST_F(CalibrateWords, SetsThatAreNotOfPosesAreRefusedBesidePoints) {
+  write_file(folder_ / "poses.csv", "grey1.png,100,200,300,0,0,0.1\n");
+  for (const KeyValue& set : {KeyValue{"prior.focal_px", "5"},
+                              KeyValue{"prediction.splits", "2"},
+                              KeyValue{"unit", "m"},
+                              KeyValue{"poses.pair", "order"}}) {
+    const CalibrateOptions options = {
+        .pictures = {"grey1.png"}, .poses = {"poses.csv"}, .camera = "c.toml", .sets = {set}};
+    expect_refused_here([&] { poses_of_pictures(options); },
+                        "--set: " + set.path + ": must begin with \"convention.\"");
+  }
+}
+
+TEST_F(CalibrateWords, APriorNeedsItsCamera) {
+  const Arguments prior = {"--board", "board.toml", "--set", "prior.focal_px=5"};
+  expect_refused({"grey1.png"}, prior, "--set: prior.focal_px: needs --camera");
+  expect_refused({"grey1.png"},
+                 {"--board", "board.toml", "--set", "convention.unit=m"},
+                 "--set: convention.unit: needs --poses");
+  write_file(folder_ / "camera.toml",
+             "[camera]\nwidth_px = 80\nheight_px = 60\nfocal_x_px = 500\n");
+  for (const auto& [set, told] :
+       {std::pair("prior.focal_px=-1", "must be >= 0"), std::pair("prior.fx=1", "prior.fx")}) {
+    expect_refused(
+        {"grey1.png"}, {"--board", "board.toml", "--camera", "camera.toml", "--set", set}, told);
+  }
+}
+
+}  // namespace
+}  // namespace glint::test

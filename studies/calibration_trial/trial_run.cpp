@@ -259,6 +259,7 @@ class TrialRun {
                                          {"convention.rotation", "matrix"},
                                          {"poses.pair_by", "name"}},
                                 .threads = options_.threads};
+    options.sets.insert(options.sets.end(), options_.sets.begin(), options_.sets.end());
     for (int i = 0; i < settings_.pictures; ++i) {
       options.pictures.push_back(picture_file(i));
     }

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -18,6 +19,7 @@ namespace glint {
 struct TrialOptions {
   std::filesystem::path out;
   int threads = 1;
+  std::vector<KeyValue> sets = {};  ///< of the calibration, as --set of glint calibrate
   Progress::Style progress = Progress::Style::kAuto;
   const std::atomic<int>* interrupt = nullptr;  ///< how often the user interrupted
 };

@@ -36,6 +36,16 @@ inline Arguments files_in(const std::filesystem::path& folder,
   return files;
 }
 
+/// For tests that do not look at the mean over random splits, of which twenty take most of the time
+/// of a calibration.
+inline const Arguments kOneSplit = {"--set", "prediction.splits=1"};
+
+/// Arguments, and then some more.
+inline Arguments with(Arguments arguments, const Arguments& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
 /// A calibration that several tests look at and none changes.
 struct SharedCalibration {
   TemporaryFolder folder;  ///< its files in out/
@@ -113,8 +123,7 @@ inline const SharedCalibration& franka() {
       write_file(made.folder / "board.toml", "[board]\ncols = 9\nrows = 6\nsquare_mm = 23.6\n");
       Arguments more = {
           "--board", "board.toml", "--camera", (set / "franka_camera.xml").string(), "--poses"};
-      const Arguments poses = files_in(set, "franka_pose_rPe_", ".yaml");
-      more.insert(more.end(), poses.begin(), poses.end());
+      more = with(with(more, files_in(set, "franka_pose_rPe_", ".yaml")), kOneSplit);
       make_calibration(made, files_in(set, "franka_image-", ".png"), more);
     }
     return made;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <regex>
 
 #include <Eigen/Geometry>
@@ -106,7 +105,7 @@ TEST_F(CalibrateOutput, CornersOfARobotsPicturesGiveTheSameHandEye) {
   Arguments from = {"calibrate", "--from", "out/corners.csv", "--out", "again"};
   from.insert(from.end(), {"--board", "out/board.toml"});
   from.insert(from.end(), {"--camera", (set / "franka_camera.xml").string(), "--poses"});
-  std::ranges::copy(files_in(set, "franka_pose_rPe_", ".yaml"), std::back_inserter(from));
+  from = with(with(from, files_in(set, "franka_pose_rPe_", ".yaml")), kOneSplit);
   const Json again = result_of(from);
   EXPECT_EQ(again["hand_eye"], franka().result["hand_eye"]);
   EXPECT_EQ(again["pictures"], franka().result["pictures"]);
@@ -146,20 +145,21 @@ TEST_F(CalibrateOutput, TheFolderOfACalibrationAloneGivesItAgain) {
   }
   // With a known camera and poses in metres, one a file.
   const std::string arm = (franka().folder / "out").string();
-  expect_same_calibration(result_of({"calibrate", "--from", arm, "--out", "arm"}), franka().result);
+  expect_same_calibration(result_of(with({"calibrate", "--from", arm, "--out", "arm"}, kOneSplit)),
+                          franka().result);
 
   // With a tool's tip that is taken off the poses.
   Arguments tool = {"calibrate", "--from", arm, "--out", "out"};
   tool.insert(tool.end(), {"--set", "convention.flange_from_tcp=[1, 2, 30, 0.1, 0, 0.2]"});
   tool.emplace_back("--poses");
-  std::ranges::copy(files_in(photographs("field/handeye_franka"), "franka_pose_rPe_", ".yaml"),
-                    std::back_inserter(tool));
-  const Json result = result_of(tool);
+  tool = with(tool, files_in(photographs("field/handeye_franka"), "franka_pose_rPe_", ".yaml"));
+  const Json result = result_of(with(tool, kOneSplit));
   EXPECT_NE(result["hand_eye"], franka().result["hand_eye"]);
   const std::string poses = read_file(folder_ / "out/poses.toml");
   EXPECT_THAT(poses, HasSubstr("flange_from_tcp = [1, 2, 30, 0.1, 0, 0.2]: removed"));
   EXPECT_THAT(poses, HasSubstr("name = \"franka_pose_rPe_4\""));
-  expect_same_calibration(result_of({"calibrate", "--from", "out", "--out", "again"}), result);
+  expect_same_calibration(
+      result_of(with({"calibrate", "--from", "out", "--out", "again"}, kOneSplit)), result);
 
   fs::remove(folder_ / "out/poses.toml");
   const ProgramResult refused = glint_in(folder_, {"calibrate", "--from", "out", "--out", "third"});

@@ -125,9 +125,9 @@ TEST_F(CalibrateVerb, SquaresThatAreALittleOffAreTakenAndTold) {
   const fs::path set = photographs("calibration/board_on_robot");
   write_file(folder_ / "off.toml",
              "[board]\ncols = 9\nrows = 7\nsquare_mm = 10.03\nsetup = \"eye_to_hand\"\n");
-  const Json result =
-      calibrate_json(files_in(set, "img", ".png"),
-                     {"--board", "off.toml", "--poses", (set / "poses.csv").string()});
+  const Json result = calibrate_json(
+      files_in(set, "img", ".png"),
+      with({"--board", "off.toml", "--poses", (set / "poses.csv").string()}, kOneSplit));
   EXPECT_TRUE(result["board"]["measured_scale"]["is_taken"].get<bool>());
   EXPECT_NEAR(result["board"]["square_mm"].get<double>(), 10.0, 0.015);
   EXPECT_EQ(result["board"]["given_square_mm"], 10.03);
@@ -158,18 +158,18 @@ TEST_F(CalibrateVerb, AMarkThatIsNotThereIsTold) {
   write_file(folder_ / "mark.toml",
              "[board]\ncols = 9\nrows = 7\nsquare_mm = 10\nmark = true\n"
              "setup = \"eye_to_hand\"\n");
-  const Json result = calibrate_json(pictures, {"--board", "mark.toml", "--poses", "poses.csv"});
+  const Json result =
+      calibrate_json(pictures, with({"--board", "mark.toml", "--poses", "poses.csv"}, kOneSplit));
   EXPECT_EQ(result["board"]["orientation"], "first picture");
   EXPECT_THAT(result["notes"].dump(), HasSubstr("pictures show the mark"));
 
   // From its corners alone the same is known.
   Arguments call = {"calibrate", "--from", "out/corners.csv", "--board", "mark.toml"};
-  call.insert(call.end(), {"--poses", "poses.csv", "--out", "again"});
-  EXPECT_THAT(glint_in(folder_, call).out, HasSubstr("board's orientation: by the first picture"));
-  call.emplace_back("--json");
+  call = with(with(call, {"--poses", "poses.csv", "--out", "again"}), kOneSplit);
   const ProgramResult again = glint_in(folder_, call);
   ASSERT_EQ(again.code, 0) << again.err;
-  const Json same = Json::parse(again.out);
+  EXPECT_THAT(again.out, HasSubstr("board's orientation: by the first picture"));
+  const Json same = Json::parse(read_file(folder_ / "again/calibration.json"));
   EXPECT_EQ(same["board"]["orientation"], "first picture");
   EXPECT_EQ(same["hand_eye"], result["hand_eye"]);
   EXPECT_THAT(same["notes"].dump(), HasSubstr("pictures show the mark"));
@@ -250,10 +250,10 @@ TEST_F(CalibrateVerb, FindsTheCameraOnAFrankaArm) {
   write_file(folder_ / "board.toml", "[board]\ncols = 9\nrows = 6\nsquare_mm = 23.6\n");
   Arguments more = {
       "--board", "board.toml", "--camera", (set / "franka_camera.xml").string(), "--poses"};
-  const Arguments poses = files_in(set, "franka_pose_rPe_", ".yaml");
-  more.insert(more.end(), poses.begin(), poses.end());
+  more = with(with(more, files_in(set, "franka_pose_rPe_", ".yaml")), kOneSplit);
   const Json& result = franka().result;
   EXPECT_EQ(result["setup"], "eye_in_hand");
+  EXPECT_EQ(result["prediction_5fold_splits"], 1) << "as it was asked for";
   EXPECT_THAT(result["notes"].dump(), HasSubstr("setup = \\\"eye_in_hand\\\": guessed"));
   EXPECT_EQ(rejected(result), std::set<std::string>());
   EXPECT_EQ(result["intrinsics"]["focal_px"][0], 607.5931396484375);

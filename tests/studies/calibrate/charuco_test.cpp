@@ -65,15 +65,23 @@ Isometry3d sheet_at(const ImageF& sheet, const Vector3d& middle_mm, const Vector
   return pose;
 }
 
-class CharucoBoard : public CalibrateVerb {
- protected:
-  CharucoBoard() {
-    write_file(folder_ / "charuco.toml",
+/// A board as it is printed, and photographs of it.
+struct CharucoPictures {
+  TemporaryFolder folder;
+  Arguments files;
+
+  std::string board() const { return (folder / "board/board.toml").string(); }
+
+  void print() const {
+    write_file(folder / "charuco.toml",
                "[board]\nkind = \"charuco\"\ncols = 6\nrows = 4\nsquare_mm = 20\n");
     const ProgramResult printed =
-        glint_in(folder_, {"calibrate", "--print_board", "charuco.toml", "--out", "board"});
+        glint_in(folder, {"calibrate", "--print_board", "charuco.toml", "--out", "board"});
     EXPECT_EQ(printed.code, 0) << printed.err;
-    const ImageF sheet = read_image(folder_ / "board/board.png");
+  }
+
+  void photograph_all() {
+    const ImageF sheet = read_image(folder / "board/board.png");
     const std::vector<std::pair<Vector3d, Vector3d>> views = {
         {{0, 0, 270}, {3, -2, 12}},
         {{4, 2, 280}, {25, 0, 10}},
@@ -84,18 +92,31 @@ class CharucoBoard : public CalibrateVerb {
         {{-70, 0, 260}, {15, -10, 17}},
         {{30, 65, 260}, {-10, 20, 73}}};  // these two are cut
     for (const auto& [middle_mm, turn_deg] : views) {
-      pictures_.push_back(fmt::format("view_{}.png", pictures_.size()));
-      write_png(folder_ / pictures_.back(),
-                photograph(sheet, sheet_at(sheet, middle_mm, turn_deg)),
-                PixelDepth::k8Bit);
+      files.push_back((folder / fmt::format("view_{}.png", files.size())).string());
+      write_png(
+          files.back(), photograph(sheet, sheet_at(sheet, middle_mm, turn_deg)), PixelDepth::k8Bit);
     }
   }
+};
 
-  Arguments pictures_;
+/// Made once.
+const CharucoPictures& charuco_pictures() {
+  static const CharucoPictures& shared = []() -> const CharucoPictures& {
+    static CharucoPictures made;
+    made.print();
+    made.photograph_all();
+    return made;
+  }();
+  return shared;
+}
+
+class CharucoBoard : public CalibrateVerb {
+ protected:
+  const Arguments& pictures_ = charuco_pictures().files;
 };
 
 TEST_F(CharucoBoard, IsFoundAsItIsPrintedAlsoWhereItIsCut) {
-  const nlohmann::json result = calibrate_json(pictures_, {"--board", "board/board.toml"});
+  const nlohmann::json result = calibrate_json(pictures_, {"--board", charuco_pictures().board()});
   for (const auto& picture : result["pictures"]) {
     EXPECT_TRUE(picture["accepted"].get<bool>()) << picture;
   }

@@ -59,8 +59,11 @@ class CalibrationTrial : public ::testing::Test {
   }
 
   Json run(const Study& study) const {
-    return run_calibration_trial(
-        study, {.out = folder_ / "out", .threads = 2, .progress = Progress::Style::kNone});
+    return run_calibration_trial(study,
+                                 {.out = folder_ / "out",
+                                  .threads = 2,
+                                  .sets = {{"prediction.splits", "1"}},
+                                  .progress = Progress::Style::kNone});
   }
 
   std::string error_of(const std::string& text) const {

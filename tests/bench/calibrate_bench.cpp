@@ -9,15 +9,20 @@
 // told to be unsolvable; they are no failures. `turned`: the board's frame is upside down.
 //
 // Rows calibrate/coverage/CASE: shares of 500 trials whose 95 % interval holds the truth.
+//
+// Rows calibrate/boards/10x8 ...: sigma of the hand-eye's rotation, degrees, after so many pictures
+// of a board, as its plan foretells (board_plans.h): the table of docs/theory/calibration.md.
 #include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include "hardware/calibration/opencv_methods.h"
 #include "tests/hardware/calibration/monte_carlo.h"
+#include "tests/hardware/upkeep/board_plans.h"
 
 namespace glint {
 namespace {
@@ -26,6 +31,7 @@ constexpr int kTrials = 60;
 constexpr int kCoverageTrials = 500;
 constexpr std::uint64_t kFirstSeed = 1000;
 constexpr std::uint64_t kCoverageSeed = 10'000;
+constexpr int kBoardSteps = 5;
 
 /// All methods share the trials of a case.
 const TrialsByMethod& trials_of(const MonteCarloCase& one) {
@@ -74,6 +80,28 @@ void bench_coverage(benchmark::State& state, const MonteCarloCase& one) {
     state.counters[Coverage::kNames[i]] = coverage.share(i);
   }
 }
+
+void bench_board(benchmark::State& state, const PlannedBoard& board) {
+  std::vector<double> sigmas_deg;
+  for (auto _ : state) {
+    sigmas_deg = turn_sigmas_deg(board, kBoardSteps);
+  }
+  int pictures = kFirstPictures;
+  for (const double sigma_deg : sigmas_deg) {
+    state.counters[fmt::format("deg_{:02}", pictures)] = sigma_deg;
+    pictures += kPlannedPictures;
+  }
+}
+
+[[maybe_unused]] const bool are_boards_registered = [] {
+  for (const PlannedBoard& board : kPlannedBoards) {
+    benchmark::RegisterBenchmark(fmt::format("calibrate/boards/{}", board.name).c_str(),
+                                 [board](benchmark::State& state) { bench_board(state, board); })
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(1);
+  }
+  return true;
+}();
 
 /// Rows calibrate/CASE/METHOD; the first row of a case has the time of all its trials.
 [[maybe_unused]] const bool is_registered = [] {

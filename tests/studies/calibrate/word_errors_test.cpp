@@ -3,6 +3,8 @@
 // Words and settings on the command line of `glint calibrate` that are refused.
 #include "core/image/image_io.h"
 #include "studies/calibrate/calibrate_run.h"
+#include "studies/calibrate/plan_run.h"
+#include "studies/calibrate/print_board.h"
 #include "tests/studies/calibrate/calibrate_fixture.h"
 
 namespace glint::test {
@@ -52,6 +54,29 @@ TEST_F(CalibrateWords, SetsThatAreNotOfPosesAreRefusedBesidePoints) {
     expect_refused_here([&] { poses_of_pictures(options); },
                         "--set: " + set.path + ": must begin with \"convention.\"");
   }
+}
+
+TEST_F(CalibrateWords, PlansThatCannotBeAreRefused) {
+  write_file(folder_ / "camera.toml", "[camera]\nwidth_px = 80\nheight_px = 60\nfocal_x_px = 90\n");
+  const auto refused = [&](const std::vector<KeyValue>& sets, const std::string& message) {
+    const PosePlanOptions options = {
+        .count = 5, .board = "board.toml", .camera = "camera.toml", .out = "out", .sets = sets};
+    expect_refused_here([&] { plan_poses(options); }, message);
+  };
+  refused({{"plan.tilt_min_deg", "31"}}, "plan.tilt_min_deg: must not be above tilt_max_deg");
+  refused({{"plan.near_mm", "30"}, {"plan.far_mm", "30"}}, "plan.near_mm: must be below far_mm");
+  refused({{"plan.margin_px", "-1"}}, "plan.margin_px: is -1, must be >= 0");
+  refused({{"plan.method", "best"}}, "plan.method: is \"best\", must be one of");
+  refused({{"plan.tilt_deg", "20"}}, "plan.tilt_deg");
+  // 250 mm of board and its outer squares do not fit into 60 px of 90 from 30 mm.
+  refused({{"plan.near_mm", "20"}, {"plan.far_mm", "30"}}, "only 0 of the poses tried show");
+}
+
+TEST_F(CalibrateWords, ABoardThatIsNoneIsNotPrinted) {
+  write_file(folder_ / "bad.toml", "[board]\ncols = 9\nrows = 6\nsquare_mm = 0\n");
+  expect_refused_here([] { print_board("bad.toml", "out"); }, "bad.toml:4:");
+  EXPECT_THROW(print_board(folder_ / "none.toml", folder_ / "out"), IoError);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
 }
 
 TEST_F(CalibrateWords, APriorNeedsItsCamera) {

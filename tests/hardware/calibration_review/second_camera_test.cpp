@@ -2,6 +2,7 @@
 #include "hardware/calibration_review/second_camera.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -11,6 +12,12 @@
 
 namespace glint {
 namespace {
+
+/// The last of the seeds to try: a few, or all among the slow tests, whose environment asks for
+/// them.
+std::uint64_t last_seed(std::uint64_t few, std::uint64_t all) {
+  return std::getenv("GLINT_ALL_CELLS") != nullptr ? all : few;
+}
 
 /// The bundle of pictures of which some were taken with a longer lens.
 Bundle solved_with(SimulatedCell cell, const std::vector<bool>& is_second, double factor) {
@@ -41,7 +48,7 @@ Bundle solved(const SimulatedCell& cell, std::size_t first, double factor) {
 
 // Pictures of a plane tell a longer lens only by their perspective.
 TEST(FindSecondCamera, FindsWhereTheLensWasAnother) {
-  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+  for (std::uint64_t seed = 1; seed <= last_seed(1, 3); ++seed) {
     const SimulatedCell cell = simulate_cell({.num_poses = 14}, seed);
     for (const double factor : {0.9, 1.1}) {
       const auto second = find_second_camera(solved(cell, 6, factor));
@@ -55,7 +62,7 @@ TEST(FindSecondCamera, FindsWhereTheLensWasAnother) {
 
 /// Every second picture, or those of a random half, by a camera with another lens.
 TEST(FindSecondCamera, FindsCamerasThatTookTurns) {
-  for (const std::uint64_t seed : {4U, 5U, 6U}) {
+  for (std::uint64_t seed = 4; seed <= last_seed(5, 6); ++seed) {
     SimulatedCell cell = simulate_cell({.num_poses = 16}, seed);
     std::vector<bool> is_second;
     for (std::size_t i = 0; i < cell.pictures.size(); ++i) {
@@ -75,7 +82,7 @@ TEST(FindSecondCamera, FindsCamerasThatTookTurns) {
 TEST(FindSecondCamera, FindsNoneInPicturesOfOne) {
   for (const double shared_px : {0.0, 0.3}) {
     for (const int num_poses : {9, 14, 30}) {
-      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      for (std::uint64_t seed = 1; seed <= last_seed(2, 10); ++seed) {
         const SimulatedCell cell =
             simulate_cell({.num_poses = num_poses, .shared_px = shared_px}, seed);
         EXPECT_FALSE(find_second_camera(solved(cell, cell.pictures.size(), 1.0))) << seed;
@@ -87,7 +94,7 @@ TEST(FindSecondCamera, FindsNoneInPicturesOfOne) {
 // A print that is 0.3 % longer along the board's x, upright in half of the pictures and turned by a
 // quarter in the others: one camera.
 TEST(FindSecondCamera, FindsNoneInPicturesOfAStretchedBoard) {
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+  for (std::uint64_t seed = 1; seed <= last_seed(2, 5); ++seed) {
     SimulatedCell cell = simulate_cell({.num_poses = 16}, seed);
     for (std::size_t i = 0; i < cell.pictures.size(); ++i) {
       for (Eigen::Vector3d& corner_mm : cell.pictures[i].board_mm) {

@@ -103,6 +103,10 @@ TEST_F(CalibrateVerb, FindsTheCameraBesideARobot) {
   EXPECT_EQ(result["hand_eye"]["from"], "camera");
   EXPECT_EQ(result["hand_eye"]["to"], "base");
   EXPECT_EQ(result["board"]["pose"]["to"], "flange");
+  // What the rounds of a cell go by, beside which pictures are accepted.
+  EXPECT_GT(result["hand_eye"]["sigma_mm"].get<double>(), 0.0);
+  EXPECT_GT(result["hand_eye"]["sigma_deg"].get<double>(), 0.0);
+  EXPECT_GT(result["point_error_px"]["rms"].get<double>(), 0.0);
   ASSERT_EQ(result["methods"].size(), 8U);
   EXPECT_EQ(result["methods"][0]["name"], "glint");
   for (std::size_t i = 1; i < 8; ++i) {

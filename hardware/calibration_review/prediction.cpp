@@ -121,27 +121,71 @@ FoldResult predict_fold(const Bundle& solved,
   return result;
 }
 
+/// One fold of one of several splits.
+struct FoldOfSplit {
+  std::size_t split = 0;
+  int fold = 0;
+};
+
+/// Without those of a split that is not of the bundle's views.
+std::vector<FoldOfSplit> folds_of(const Bundle& solved, std::span<const std::vector<int>> splits) {
+  std::vector<FoldOfSplit> all;
+  for (std::size_t split = 0; split < splits.size(); ++split) {
+    const std::vector<int>& folds = splits[split];
+    const bool is_known = !folds.empty() && folds.size() == solved.views.size();
+    const int count = is_known ? *std::ranges::max_element(folds) + 1 : 0;
+    for (int fold = 0; fold < count; ++fold) {
+      all.push_back({.split = split, .fold = fold});
+    }
+  }
+  return all;
+}
+
+/// Of each solver. @param results  of each fold; none: nothing could be predicted
+std::vector<Prediction> predictions_of(const Bundle& solved,
+                                       std::span<const int> folds,
+                                       const std::vector<FoldResult>& results,
+                                       std::size_t num_solvers) {
+  std::vector<Prediction> predictions(num_solvers, failed_prediction(solved.views.size()));
+  for (std::size_t solver = 0; solver < num_solvers && !results.empty(); ++solver) {
+    std::vector<std::vector<double>> by_fold;
+    for (const FoldResult& result : results) {
+      by_fold.push_back(result[solver]);
+    }
+    predictions[solver] = summary_of(solved, by_picture(folds, by_fold));
+  }
+  return predictions;
+}
+
+/// Of each split, of each solver. The folds of all splits are predicted side by side.
+std::vector<std::vector<Prediction>> predict_splits(const Bundle& solved,
+                                                    const CameraOptions& camera,
+                                                    std::span<const std::vector<int>> splits,
+                                                    std::span<const Solver> solvers,
+                                                    ThreadPool& pool) {
+  const std::vector<FoldOfSplit> all = folds_of(solved, splits);
+  const auto results = pool.map<FoldResult>(std::ssize(all), [&](std::int64_t i) {
+    const FoldOfSplit& one = all[static_cast<std::size_t>(i)];
+    return predict_fold(solved, camera, splits[one.split], one.fold, solvers);
+  });
+  std::vector<std::vector<FoldResult>> by_split(splits.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    by_split[all[i].split].push_back(results[i]);
+  }
+  std::vector<std::vector<Prediction>> predictions;
+  for (std::size_t split = 0; split < splits.size(); ++split) {
+    predictions.push_back(predictions_of(solved, splits[split], by_split[split], solvers.size()));
+  }
+  return predictions;
+}
+
 std::vector<Prediction> predict(const Bundle& solved,
                                 const CameraOptions& camera,
                                 std::span<const int> folds,
                                 std::span<const Solver> solvers,
                                 ThreadPool& pool) {
-  if (folds.empty() || folds.size() != solved.views.size()) {
-    return {solvers.size(), failed_prediction(solved.views.size())};
-  }
-  const int count = *std::ranges::max_element(folds) + 1;
-  const auto results = pool.map<FoldResult>(count, [&](std::int64_t fold) {
-    return predict_fold(solved, camera, folds, static_cast<int>(fold), solvers);
-  });
-  std::vector<Prediction> predictions;
-  for (std::size_t solver = 0; solver < solvers.size(); ++solver) {
-    std::vector<std::vector<double>> by_fold;
-    for (const FoldResult& result : results) {
-      by_fold.push_back(result[solver]);
-    }
-    predictions.push_back(summary_of(solved, by_picture(folds, by_fold)));
-  }
-  return predictions;
+  const std::vector<std::vector<int>> one(1, std::vector<int>(folds.begin(), folds.end()));
+  return predict_splits(solved, camera, one, solvers, pool).front();
 }
 
 /// Camera alone, then the method.
@@ -272,11 +316,14 @@ std::vector<SplitMean> predict_five_fold(const Bundle& solved,
                                          int splits,
                                          ThreadPool& pool) {
   const int count = static_cast<int>(solved.views.size());
-  std::vector<std::vector<double>> rms(1 + kHandEyeMethods.size());
+  std::vector<std::vector<int>> folds;
   for (int split = 0; split < splits; ++split) {
-    const std::vector<int> folds =
-        shuffled_folds(count, std::min(5, count), static_cast<std::uint64_t>(split + 1));
-    const std::vector<Prediction> predictions = predict_by_all(solved, camera, folds, pool);
+    folds.push_back(
+        shuffled_folds(count, std::min(5, count), static_cast<std::uint64_t>(split + 1)));
+  }
+  std::vector<std::vector<double>> rms(1 + kHandEyeMethods.size());
+  for (const std::vector<Prediction>& predictions :
+       predict_splits(solved, camera, folds, all_solvers(), pool)) {
     for (std::size_t i = 0; i < rms.size(); ++i) {
       rms[i].push_back(predictions[i].rms_px);
     }

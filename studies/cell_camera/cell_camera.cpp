@@ -164,6 +164,18 @@ Grabbed grab_into(const fs::path& folder,
   return grabbed;
 }
 
+/// Photographs cannot be taken again as they were: those of an earlier call are kept.
+void check_grab_folder(const fs::path& folder) {
+  const std::array<std::string, 3> names = {"sequence", "frames.csv", "run.json"};
+  check_result_folder(folder, ResultKind::kGrab, names);
+  if (is_there(folder / "sequence")) {
+    throw ConfigError(fmt::format(
+        "{}: holds pictures that were grabbed before; choose another output folder, or remove "
+        "this one",
+        folder.string()));
+  }
+}
+
 /// Robots whose side channels answer to this user.
 Json twin_robots() {
   Json robots = Json::array();
@@ -255,8 +267,7 @@ Json grab_pictures(const Cell& cell,
       options.out.empty()
           ? default_result_folder(cell.file.parent_path().filename().string(), ResultKind::kGrab)
           : options.out;
-  const std::array<std::string, 2> names = {"frames.csv", "run.json"};
-  check_result_folder(folder, ResultKind::kGrab, names);
+  check_grab_folder(folder);
   const std::unique_ptr<Camera> camera = open_camera_of(settings);
   camera->configure(camera_configuration_of(settings));
   camera->start();

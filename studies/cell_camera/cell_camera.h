@@ -39,6 +39,8 @@ struct GrabOptions {
 /// Takes pictures and writes them as PNG (8 bits from 8-bit cameras, else 16 bits: code / largest
 /// code x 65535) with frames.csv. A picture that does not come is named there and in the result.
 /// @param told  each frame as it comes; may be empty
+/// @throws ConfigError before anything is connected to, when the folder holds pictures of an
+///         earlier call, or somebody else's files
 nlohmann::ordered_json grab_pictures(const Cell& cell,
                                      const GrabOptions& options,
                                      const std::function<void(int, const Frame&)>& told = {});

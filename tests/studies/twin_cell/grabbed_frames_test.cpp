@@ -60,6 +60,22 @@ TEST(GrabbedFrames, HaveNoTimesWhereNoPictureCame) {
   EXPECT_THAT(table, Not(HasSubstr("1970")));
 }
 
+// The camera of this address does not answer: nothing is asked of it.
+TEST(GrabbedFrames, OfAnEarlierCallAreKept) {
+  const TemporaryFolder folder;
+  Cell cell;
+  cell.camera = CellCamera{.address = "127.99.99.99"};
+  const auto problem = [&](const char* out) {
+    return text_thrown_by<ConfigError>([&] { grab_pictures(cell, {.out = folder / out}); });
+  };
+  make_folder(folder / "grab/sequence");
+  write_file(folder / "grab/run.json", R"({"verb": "cell grab"})");
+  EXPECT_THAT(problem("grab"), HasSubstr("grab: holds pictures that were grabbed before; choose"));
+  make_folder(folder / "mine/sequence");
+  EXPECT_THAT(problem("mine"),
+              HasSubstr("mine: holds a sequence that is not of `glint cell grab`"));
+}
+
 /// The gallery's cell with an arm whose joints are off by 0.05 degree: some pixels.
 Cell cell_with_joint_errors(const TemporaryFolder& folder) {
   const auto gallery = std::filesystem::path(GLINT_SOURCE_DIR) / "studies/gallery/twin_cell";

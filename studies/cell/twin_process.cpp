@@ -119,6 +119,20 @@ Json serve_here(const std::function<ServingTwins()>& make,
   std::_Exit(code);
 }
 
+/// Where twins serve in the foreground, the ready file of earlier ones may be written anew; every
+/// other file is the user's.
+void check_ready_file(const std::filesystem::path& file) {
+  if (file.empty() || !is_there(file)) {
+    return;
+  }
+  try {
+    read_ready(file);
+  } catch (const ConfigError&) {
+    throw ConfigError(fmt::format(
+        "{}: exists and is no ready file of twins; give --ready_file another name", file.string()));
+  }
+}
+
 Json wait_until_ready(pid_t child,
                       const std::filesystem::path& ready_file,
                       const std::filesystem::path& error_file) {
@@ -190,6 +204,7 @@ Json serve_twins(const std::function<ServingTwins()>& make,
                  const TwinProcessOptions& options,
                  const std::function<void(const Json&)>& tell) {
   if (!options.is_detached) {
+    check_ready_file(options.ready_file);
     Json ready = serve_here(make, options.ready_file, tell);
     std::error_code ignored;
     std::filesystem::remove(options.ready_file, ignored);

@@ -40,7 +40,8 @@ struct TwinProcessOptions {
 /// of its own session; returns when the ready file is there.
 /// @return the ready file's object: {"schema", "pid", "twins": [...]}
 /// @throws what make() throws, also when it threw in the child; ConfigError for options that do not
-///         go together, IoError when the child ended before it was ready
+///         go together and for a ready file that is another file, or, detached, that is there;
+///         IoError when the child ended before it was ready
 nlohmann::ordered_json serve_twins(const std::function<ServingTwins()>& make,
                                    const TwinProcessOptions& options,
                                    const std::function<void(const nlohmann::ordered_json&)>& tell);

@@ -4,10 +4,12 @@
 #include <chrono>
 #include <thread>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "core/wall_clock.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace {
@@ -37,6 +39,26 @@ TEST(ServeTwins, EndsWithoutWaitingForAPicture) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EXIT(serve_twins(slow_twins, {}, [](const auto&) {}), testing::ExitedWithCode(0), "");
   EXPECT_LT(seconds_since(begin), 20.0);
+}
+
+// The file appears when the twins serve, and goes with them: a study of that name would be lost.
+TEST(ServeTwins, LeaveAFileThatIsNoReadyFileAlone) {
+  const TemporaryFolder folder;
+  const auto problem = [&](const char* file) {
+    return text_thrown_by<ConfigError>([&] {
+      serve_twins([]() -> ServingTwins { throw ConfigError("twins are made"); },
+                  {.ready_file = folder / file},
+                  [](const auto&) {});
+    });
+  };
+  write_file(folder / "cell.toml", "[robot]\n");
+  EXPECT_THAT(problem("cell.toml"),
+              testing::HasSubstr("cell.toml: exists and is no ready file of twins; give "
+                                 "--ready_file another name"));
+  EXPECT_EQ(read_file(folder / "cell.toml"), "[robot]\n");
+  write_file(folder / "twin.json", R"({"pid": 1, "twins": []})");
+  EXPECT_EQ(problem("twin.json"), "twins are made");
+  EXPECT_EQ(problem("to_come.json"), "twins are made");
 }
 
 }  // namespace

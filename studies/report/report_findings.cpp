@@ -187,7 +187,9 @@ void add_dark_part(const Json& data, const Json& design, std::vector<Finding>& f
     }
   };
   add(1.0 - share_of("homogeneity.lit_share").value_or(1.0), "of the scored surface is dark");
-  add(share_of("homogeneity.clipped_share").value_or(0.0), "of it is at full scale in every frame");
+  add(share_of("homogeneity.clipped_share").value_or(0.0),
+      parts.empty() ? "of the scored surface is at full scale in every frame"
+                    : "of it is at full scale in every frame");
   add(share_of("view.hidden_share").value_or(0.0),
       "of the part is hidden from the camera by the wall");
   if (!parts.empty()) {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <iterator>
+#include <numeric>
 #include <span>
 #include <string>
 #include <string_view>
@@ -39,6 +39,7 @@ int end_of(const Json& variable, double value) {
 /// Variables that differ in their number alone: control_mm.0, control_mm.1 ...
 struct VariableFamily {
   std::string name;
+  std::string table;  ///< "left_ring"
   int count = 0;
   int on_limit = 0;
 };
@@ -67,19 +68,61 @@ bool ends_in_number(const std::string& path) {
          path.find_first_not_of("0123456789", dot + 1) == std::string::npos;
 }
 
-std::string family_text(const VariableFamily& family) {
+/// The table that a variable's key stands in: "left_ring", "viewpoint 0".
+std::string table_of(const std::string& path) {
+  std::vector<std::string> parts = split(path, '.');
+  parts.resize(parts.size() - std::min<std::size_t>(parts.size(), ends_in_number(path) ? 2 : 1));
+  if (parts.empty()) {
+    return "";
+  }
+  const bool is_item = parts.size() > 1 && ends_in_number("." + parts.back());
+  return is_item ? parts[parts.size() - 2] + " " + parts.back() : parts.back();
+}
+
+/// @param is_alone  no other table has variables of that name
+std::string family_text(const VariableFamily& family, bool is_alone) {
+  const std::string of = is_alone || family.table.empty() ? "" : " of " + family.table;
   if (family.count == 1) {
-    return "the " + family.name;
+    return "the " + family.name + of;
+  }
+  if (family.on_limit == 2 && family.count == 2) {
+    return fmt::format("both {}s{}", family.name, of);
   }
   return family.on_limit == family.count
-             ? fmt::format("all {} {}s", family.count, family.name)
-             : fmt::format("{} of {} {}s", family.on_limit, family.count, family.name);
+             ? fmt::format("all {} {}s{}", family.count, family.name, of)
+             : fmt::format("{} of {} {}s{}", family.on_limit, family.count, family.name, of);
+}
+
+/// Those with variables on their limits. Where several tables have a "radius", each is told with
+/// its table.
+std::vector<std::string> texts_of(const std::vector<VariableFamily>& families) {
+  std::vector<std::string> texts;
+  for (const VariableFamily& family : families) {
+    if (family.on_limit > 0) {
+      const auto namesakes = std::ranges::count(families, family.name, &VariableFamily::name);
+      texts.push_back(family_text(family, namesakes == 1));
+    }
+  }
+  return texts;
 }
 
 /// "a", "a and b", "a, b and c"
 std::string listed(const std::vector<std::string>& names) {
   const auto first = std::span(names).first(names.size() - 1);
   return first.empty() ? names.back() : join(first, ", ") + " and " + names.back();
+}
+
+/// The family of a variable, added where it is the first of it.
+VariableFamily& family_of(std::vector<VariableFamily>& families, const std::string& path) {
+  const bool has_number = ends_in_number(path);
+  const std::string name = spoken(path, has_number);
+  const std::string table = table_of(path);
+  const auto known = std::ranges::find_if(families, [&](const VariableFamily& family) {
+    return family.name == name && family.table == table;
+  });
+  return has_number && known != families.end()
+             ? *known
+             : families.emplace_back(VariableFamily{.name = name, .table = table});
 }
 
 /// Whether a variable says how large a light is; periods, slots and places of lights do not.
@@ -110,28 +153,21 @@ std::vector<Finding> findings_on_limits(const Json& data, const Json& design) {
   bool has_high = false;
   for (const Json& variable : member(data, "variables")) {
     const std::string path = text_of(variable, "name");
-    const bool has_number = ends_in_number(path);
     const auto value = number_of(member(design, "variables"), path);
-    const std::string name = spoken(path, has_number);
-    auto family = std::ranges::find(families, name, &VariableFamily::name);
-    if (family == families.end() || !has_number) {
-      families.push_back({.name = name});
-      family = families.end() - 1;
-    }
-    ++family->count;
+    VariableFamily& family = family_of(families, path);
+    ++family.count;
     const int end = value ? end_of(variable, *value) : 0;
-    family->on_limit += end != 0 ? 1 : 0;
+    family.on_limit += end != 0 ? 1 : 0;
     are_sizes = are_sizes && (end == 0 || is_size(path));
     has_low = has_low || end < 0;
     has_high = has_high || end > 0;
   }
-  std::erase_if(families, [](const VariableFamily& family) { return family.on_limit == 0; });
-  if (families.empty()) {
+  const std::vector<std::string> names = texts_of(families);
+  if (names.empty()) {
     return {};
   }
-  std::vector<std::string> names;
-  std::ranges::transform(families, std::back_inserter(names), family_text);
-  const bool is_one = families.size() == 1 && families.front().on_limit == 1;
+  const auto on_limit = [](int sum, const VariableFamily& family) { return sum + family.on_limit; };
+  const bool is_one = std::accumulate(families.begin(), families.end(), 0, on_limit) == 1;
   std::string list = listed(names);
   list.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(list.front())));
   return {{"on_limits",

@@ -289,6 +289,43 @@ TEST(Verdict, NamesTheVariablesThatLieOnTheirLimits) {
   EXPECT_THAT(text_of_code(data, "on_limits"), HasSubstr("a better design may lie beyond them"));
 }
 
+// Two rings have a radius each; of the segments' powers, of which only one has any, two of two lie
+// at their max.
+TEST(Verdict, NamesTheLightsWhoseVariablesOfOneNameLieOnTheirLimits) {
+  Json data = sound_search();
+  data["variables"] = Json::array();
+  Json& values = data["designs"][1]["variables"];
+  const auto add = [&](const std::string& name, double value) {
+    data["variables"].push_back({{"name", name}, {"kind", "float"}, {"low", 40}, {"high", 80}});
+    values[name] = value;
+  };
+  add("lighting.left_ring.outer_radius_mm", 80.0);
+  add("lighting.right_ring.outer_radius_mm", 60.0);
+  EXPECT_EQ(text_of_code(data, "on_limits"),
+            "The outer radius of left_ring lies on its limit: the best design is larger than "
+            "allowed.");
+  values["lighting.right_ring.outer_radius_mm"] = 80.0;
+  add("lighting.right_ring.segment_power.0", 80.0);
+  add("lighting.right_ring.segment_power.1", 80.0);
+  EXPECT_EQ(text_of_code(data, "on_limits"),
+            "The outer radius of left_ring, the outer radius of right_ring and both segment "
+            "powers lie on their limits: a better design may lie beyond them.");
+}
+
+// Without a dark share before it, "of it" would be of nothing.
+TEST(Verdict, SaysWhatIsAtFullScale) {
+  Json data = sound_search();
+  Json& fresh = data["designs"][1]["rescored"];
+  fresh["homogeneity.clipped_share"] = 0.25;
+  EXPECT_EQ(text_of_code(data, "dark_part"),
+            "25.0 % of the scored surface is at full scale in every frame: no defect can show "
+            "there.");
+  fresh["homogeneity.lit_share"] = 0.6;
+  EXPECT_EQ(text_of_code(data, "dark_part"),
+            "40.0 % of the scored surface is dark, 25.0 % of it is at full scale in every frame: "
+            "no defect can show there.");
+}
+
 // Differences of the scans: 15, 16, 13, 15; mean 14.75, deviation 1.258; Student's 97.5 % point of
 // 3 degrees of freedom is 3.182, so 95 % of single differences lie within 3.182 x 1.258 = 4.00.
 TEST(Verdict, TakesTheNoiseOfALeadFromScansThatShareIt) {

@@ -89,6 +89,7 @@ class CellCalibration {
           cell_.views.size()));
     }
     folder_ = calibration_folder(options.acquire);
+    calibrate_cell_detail::check_rounds_folder(folder_);
     check_board(folder_, options.board);
   }
 

@@ -2,6 +2,7 @@
 #include "studies/calibrate_cell/place_part_run.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "studies/calibrate_cell/round_pictures.h"
 #include "studies/cell/pose_numbers.h"
 #include "studies/definition/scene.h"
+#include "studies/output/result_folder.h"
 #include "studies/reach/scene_cell.h"
 
 namespace glint {
@@ -60,6 +62,7 @@ class PartPlacing {
       throw ConfigError(
           fmt::format("--placed {}: --placements are {}", options.placed, options.placements));
     }
+    check_inputs_kept(std::array{options.scene}, folder_, std::array<std::string, 1>{"scene.toml"});
   }
 
   Json run() {

@@ -15,6 +15,7 @@
 #include "studies/calibrate/known_calibration.h"
 #include "studies/cell/cell_file.h"
 #include "studies/cell/pose_numbers.h"
+#include "studies/output/result_folder.h"
 
 namespace glint::calibrate_cell_detail {
 
@@ -72,6 +73,22 @@ std::string board_text(const Board& board) {
 }
 
 }  // namespace
+
+void check_rounds_folder(const std::filesystem::path& folder) {
+  if (const auto kind = result_kind_of(folder)) {
+    throw ConfigError(fmt::format("{}: holds results of `glint {}`; choose another output folder",
+                                  folder.string(),
+                                  command_of(*kind)));
+  }
+  for (const char* name : {"pictures", "poses.toml", "calibration"}) {
+    if (is_there(folder / name) && !is_there(folder / "round_1")) {
+      throw ConfigError(fmt::format(
+          "{}: holds a {} that is not of `glint calibrate --cell`; choose another output folder",
+          folder.string(),
+          name));
+    }
+  }
+}
 
 void check_board(const std::filesystem::path& folder, const std::filesystem::path& board) {
   const std::filesystem::path calibration = folder / "calibration";

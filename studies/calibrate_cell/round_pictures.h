@@ -28,6 +28,12 @@ nlohmann::ordered_json acquire_round(const AcquireOptions& options,
                                      MountedPrototypes& prototypes,
                                      const MotionPermit& permit);
 
+/// A calibration in rounds is the only one in its folder.
+/// @param folder  of the whole calibration, which may be begun, or not there
+/// @throws ConfigError where results of a verb lie in it, or, before the first round, somebody's
+///         files of the names that the calibration writes
+void check_rounds_folder(const std::filesystem::path& folder);
+
 /// Rounds of a folder are of the board that their calibration tells; without one all holds.
 /// @param folder  of the whole calibration
 /// @param board   board.toml or board.json

@@ -428,6 +428,12 @@ TEST_F(PlacedPart, IsRefusedWhereItsPlaceCannotBeTold) {
   write_file(folder_ / "part.toml", scene.substr(0, scene.find("[cell.base_from_part]")));
   EXPECT_THAT(error(call({})), HasSubstr("cell.base_from_part: is missing"));
   write_file(folder_ / "part.toml", scene);
+  fs::create_directories(folder_ / "out/part");
+  write_file(folder_ / "out/part/scene.toml", scene);
+  Arguments over_itself = call({});
+  std::ranges::replace(over_itself, std::string("part.toml"), std::string("out/part/scene.toml"));
+  EXPECT_THAT(error(over_itself), HasSubstr("is read, and lies where results are written"));
+  EXPECT_EQ(read_file(folder_ / "out/part/scene.toml"), scene);
   write_file(folder_ / "camera/calibration.toml",
              "[camera]\nwidth_px = 306\nheight_px = 256\nfocal_x_px = 900\n"
              "[calibration.base_from_camera]\ntranslation_mm = [0, 0, 900]\n");

@@ -75,6 +75,25 @@ TEST(EndedRound, IsByTheSameCamera) {
               testing::ThrowsMessage<ConfigError>(testing::HasSubstr("BlackLevel is 0 there")));
 }
 
+// `glint calibrate` of pictures goes by default to the same folder, out/<folder of the
+// cell>/calibrate, and reads its poses.toml again for --from: rounds of a cell must not put theirs
+// in its place.
+TEST(CheckRoundsFolder, LeavesOtherCalibrationsAndFilesAlone) {
+  const TemporaryFolder folder;
+  const auto check = [&] { check_rounds_folder(folder.path()); };
+  EXPECT_NO_THROW(check());
+  write_file(folder / "poses.toml", "mine");
+  EXPECT_THAT(check,
+              testing::ThrowsMessage<ConfigError>(testing::HasSubstr(
+                  "holds a poses.toml that is not of `glint calibrate --cell`; choose another")));
+  make_folder(folder / "round_1");
+  EXPECT_NO_THROW(check()) << "it is begun";
+  write_file(folder / "run.json", R"({"verb": "calibrate"})");
+  EXPECT_THAT(check,
+              testing::ThrowsMessage<ConfigError>(
+                  testing::HasSubstr("holds results of `glint calibrate`; choose another")));
+}
+
 // Corners of one board are not those of another: an older folder would fail without a hint.
 TEST(CheckBoard, NamesTheFolderOfAnotherBoard) {
   const TemporaryFolder folder;

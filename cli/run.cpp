@@ -278,8 +278,8 @@ std::vector<std::string> warnings_of(const Json& result) {
   std::vector<std::string> warnings;
   if (result.value("is_objective_flat", false)) {
     warnings.emplace_back(
-        "the objective is the same at both ends of every variable: a search would have nothing to "
-        "go by");
+        "the objective is the same at both ends of every variable and in the other designs that "
+        "were looked at: a search would have nothing to go by");
   }
   for (const Json& name : result["idle_variables"]) {
     warnings.push_back(fmt::format("{} changes nothing in this scene", name.get<std::string>()));

@@ -119,10 +119,31 @@ class VariableCheck {
 
   const std::vector<std::string>& broken() const { return broken_; }
 
-  /// The objectives were the same at all ends: a search has nothing to go by.
-  bool is_objective_flat() const { return objectives_.size() == 1; }
+  /// A search has nothing to go by: the objectives are the same at all ends, in the study's own
+  /// scene and in another design. As a choice or a place between two ends may be better than both,
+  /// these two are looked at where the ends tell nothing.
+  /// @param other  empty: none is known
+  bool is_objective_flat(const std::optional<Point>& other) {
+    if (objectives_.size() != 1) {
+      return false;
+    }
+    evaluate_at(start_);
+    if (other) {
+      evaluate_at(*other);
+    }
+    return objectives_.size() == 1;
+  }
 
  private:
+  void evaluate_at(const Point& point) {
+    try {
+      const SceneSettings scene =
+          scene_with(study_, overrides_of(study_, canonical(study_.space, point)));
+      add_objectives(evaluate(store_, scene, {}, wanted_by(study_.goal).with_whole_scan()).scores);
+    } catch (const ConfigError&) {  // the search renders it otherwise, with fewer rays
+    }
+  }
+
   SceneSettings scene_at(std::size_t index, const VariableEnd& end) const {
     Point point = start_;
     point[index] = end.value;
@@ -240,6 +261,7 @@ class Check {
       step("the variables");
       variables_.evaluate_ends(i);
     }
+    is_objective_flat_ = variables_.is_objective_flat(sample_.best);
     step("the populations");
     costs_.populations_s = predicted_population_s(study_, store_);
     search_ = study_.has_search() ? predicted_search(study_.budget, sample_.evaluation_s, at_once())
@@ -364,7 +386,7 @@ class Check {
             {"objectives", names_of_objectives()},
             {"idle_variables", variables_.idle()},
             {"broken_limits", variables_.broken()},
-            {"is_objective_flat", variables_.is_objective_flat()},
+            {"is_objective_flat", is_objective_flat_},
             {"baseline", baseline_},
             {"prototypes", designs_},
             {"evaluations", search_ ? Json(search_->evaluations) : Json(nullptr)},
@@ -384,6 +406,7 @@ class Check {
   ThreadPool pool_;
   SceneStore store_;
   VariableCheck variables_;
+  bool is_objective_flat_ = false;
   Progress progress_;
   std::int64_t steps_ = 0;
   AccurateSearch accurate_;

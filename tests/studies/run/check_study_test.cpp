@@ -58,5 +58,32 @@ TEST(CheckStudy, TellsOfAHiddenDefectBesideThePrototypes) {
   EXPECT_THAT(notes, Not(HasSubstr("smallest CNR is 0 at most")));
 }
 
+/// The scene under its ring, its bar or a tunnel, which it begins with.
+std::string choice_of_light(const std::string& objective) {
+  return replaced(kScene, "title = \"Plate\"\n", "lighting_use = \"tunnel\"\n") +
+         "[scan]\npositions = 4\n[lighting.tunnel]\nradius_mm = 60\nblocks_view = false\n"
+         "[variables]\n\"lighting_use\" = { choices = [\"ring\", \"tunnel\", \"bar\"] }\n"
+         "[objective]\n" +
+         objective + "\n[search]\nalgorithm = \"sobol\"\n[budget]\nevaluations = 4\n";
+}
+
+// One picture under ring and bar, the first and the last choice, and a scan of four under the
+// tunnel between them. The dent is one under all of them.
+TEST(CheckStudy, CallsAnObjectiveFlatWhereNothingElseTellsOtherwise) {
+  const auto is_flat = [](const std::string& objective) {
+    return check_of(choice_of_light(objective)).at("is_objective_flat").get<bool>();
+  };
+  EXPECT_FALSE(is_flat("minimise = \"scan.frames\""));
+  EXPECT_TRUE(is_flat("maximise = \"defects.made\""));
+}
+
+// 0.3 mm a pixel: the first dent is 10 pixels wide, the second two.
+TEST(CheckStudy, TellsOfDefectsThatAreNarrowerThanThreePixels) {
+  EXPECT_THAT(notes_of_check(kScene), Not(HasSubstr("Narrower than three pixels")));
+  const std::string small =
+      replaced(kScene, "diameter_mm = 3\nheight_um = 100\n", "diameter_mm = 0.6\nheight_um = 10\n");
+  EXPECT_THAT(notes_of_check(small), HasSubstr("Narrower than three pixels: dent_1 "));
+}
+
 }  // namespace
 }  // namespace glint

@@ -155,9 +155,11 @@ Verdict verdict_of_runs(const Json& data) {
   } else {
     verdict.say(
         "runs_apart",
-        fmt::format("These {} runs are not ranked together: they do not all have the same "
-                    "part, material, camera, defects, scored region, inspection and objective.",
-                    runs.size()));
+        fmt::format(
+            "These {} runs are not ranked together: they do not all have the same "
+            "part, material, camera, defects, scored region, inspection, objective and what "
+            "that is measured by.",
+            runs.size()));
   }
   for (const Json& group : groups) {
     if (groups.size() > 1 && group.size() > 1) {

@@ -30,6 +30,20 @@ constexpr std::array<std::string_view, 12> kOfScale = {"part",
                                                        "inspection",
                                                        "metrics"};
 
+/// Scores of one family, by the beginning of their names, and the table that they are measured by
+/// beside those.
+struct FamilyTable {
+  std::string_view beginning;
+  std::string_view table;
+};
+
+constexpr std::array<FamilyTable, 6> kOfFamily = {{{"cost.", "cost"},
+                                                   {"scan.time_s", "cost"},
+                                                   {"coverage.", "coverage"},
+                                                   {"overlap.", "reference"},
+                                                   {"appearance.", "reference"},
+                                                   {"reach.", "cell"}}};
+
 /// What of these tables is set to suit a lighting.
 constexpr std::array<std::string_view, 3> kOfExposure = {
     "sensor.exposure", "sensor.gain", "sensor.expose_to"};
@@ -129,15 +143,27 @@ std::vector<std::string> changed_keys(const ConfigNode* a, const ConfigNode* b) 
   return keys;
 }
 
+/// The tables that tell on what scale a study's objectives are.
+std::vector<std::string> tables_of_scale(const Study& study) {
+  std::vector<std::string> tables(kOfScale.begin(), kOfScale.end());
+  for (const Objective& objective : objectives_of(study.goal)) {
+    for (const FamilyTable& family : kOfFamily) {
+      if (objective.name.starts_with(family.beginning)) {
+        tables.emplace_back(family.table);
+      }
+    }
+  }
+  return tables;
+}
+
 }  // namespace
 
 bool is_comparable(const Study& a, const Study& b) {
   const Study one = without_designs(a, b);
   const Study other = without_designs(b, a);
   return objective_of(a) == objective_of(b) &&
-         std::ranges::all_of(kOfScale, [&](std::string_view table) {
-           const std::string name(table);
-           return text_of_table(one, name) == text_of_table(other, name);
+         std::ranges::all_of(tables_of_scale(a), [&](const std::string& table) {
+           return text_of_table(one, table) == text_of_table(other, table);
          });
 }
 

@@ -11,7 +11,8 @@
 namespace glint {
 
 /// Whether two studies have the same part, material, camera, sensor, scan, defects, scored region,
-/// inspection and objective, so that their scores are of one scale. Exposure and gain, which suit a
+/// inspection and objective, so that their scores are of one scale; of costs, coverage, likeness to
+/// photographs and reach also the table that these are measured by. Exposure and gain, which suit a
 /// lighting, and what one of them varies may differ. Files count by their content, wherever they
 /// lie.
 bool is_comparable(const Study& a, const Study& b);

@@ -345,7 +345,7 @@ TEST(VerdictOfRuns, RanksThoseThatBelongTogetherAndSaysWhatDiffers) {
   const Json verdict = complete_report(data)["verdict"];
   EXPECT_EQ(verdict["sentence"],
             "These 3 runs are not ranked together: they do not all have the same part, material, "
-            "camera, defects, scored region, inspection and objective.");
+            "camera, defects, scored region, inspection, objective and what that is measured by.");
   EXPECT_EQ(verdict["details"][0],
             "Of 2 runs, b has the best smallest CNR: 8.00, 3.00 better than a.");
   EXPECT_EQ(verdict["details"][1], "c differs from a in part (file), camera (width_px).");

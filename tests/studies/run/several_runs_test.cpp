@@ -163,5 +163,27 @@ TEST(Comparable, AreStudiesWhoseScoresAreOfOneScale) {
   EXPECT_TRUE(is_alike(varied, replaced(scene, "roughness = 0.3", "roughness = 0.2")));
 }
 
+// Prices are the scale of costs, and of no CNR; so are the limits of incidence of a coverage.
+TEST(Comparable, AreStudiesWhoseObjectivesAreMeasuredByTheSame) {
+  const TemporaryFolder folder;
+  const auto study = [&](const std::string& tables, const std::string& objective) {
+    write_file(folder / "study.toml", kScene + tables + "[objective]\n" + objective);
+    return load_study(folder / "study.toml", {});
+  };
+  const auto is_alike =
+      [&](const std::string& one, const std::string& other, const std::string& objective) {
+        return is_comparable(study(one, objective), study(other, objective));
+      };
+  const std::string cheap = "[cost]\nper_mm2 = 0.01\n";
+  const std::string dear = "[cost]\nper_mm2 = 0.03\n";
+  EXPECT_TRUE(is_alike(cheap, cheap, "minimise = \"cost.total\"\n"));
+  EXPECT_FALSE(is_alike(cheap, dear, "minimise = \"cost.total\"\n"));
+  EXPECT_TRUE(is_alike(cheap, dear, "maximise = \"defects.min_cnr\"\n"));
+  const std::string steep = "[coverage]\nmax_incidence_deg = 70\n";
+  const std::string flat = "[coverage]\nmax_incidence_deg = 40\n";
+  EXPECT_FALSE(is_alike(steep, flat, "maximise = \"coverage.c1\"\n"));
+  EXPECT_TRUE(is_alike(steep, flat, "maximise = \"defects.min_cnr\"\n"));
+}
+
 }  // namespace
 }  // namespace glint

@@ -204,11 +204,15 @@ bool is_there(const fs::path& path) {
 
 void make_folder(const fs::path& path) {
   std::error_code error;
+  std::error_code ignored;
   fs::create_directories(path, error);
-  if (error || !fs::is_directory(path)) {
+  if (error || !fs::is_directory(path, error)) {
+    const bool leads_nowhere = fs::is_symlink(path, ignored) && !is_there(path);
     throw IoError(fmt::format("{}: the folder cannot be made: {}",
                               path.string(),
-                              error ? error.message() : "a file of that name is in the way"));
+                              leads_nowhere ? "a link of that name leads to nothing"
+                              : error       ? error.message()
+                                            : "a file of that name is in the way"));
   }
 }
 

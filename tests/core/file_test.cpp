@@ -145,6 +145,9 @@ TEST(MakeFolder, SaysWhenAFileIsInTheWay) {
               HasSubstr("plain: the folder cannot be made: "));
   EXPECT_THROW(make_folder(folder / "plain/below"), IoError);
   EXPECT_THROW(make_folder("/proc/glint_test"), IoError);
+  fs::create_symlink("nowhere", folder / "link");
+  EXPECT_THAT(text_thrown_by<IoError>([&] { make_folder(folder / "link"); }),
+              EndsWith("link: the folder cannot be made: a link of that name leads to nothing"));
 }
 
 }  // namespace

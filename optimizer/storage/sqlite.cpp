@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <system_error>
 
 #include "core/error.h"
 
@@ -45,6 +46,14 @@ std::string file_name(const std::filesystem::path& path, Database::Access access
     name += is_special ? (c == '?' ? "%3f" : c == '#' ? "%23" : "%25") : std::string(1, c);
   }
   return name + "?immutable=1";
+}
+
+/// ": " and the reason that SQLite does not tell by itself; empty: it is another one.
+std::string why_not_opened(const std::filesystem::path& path) {
+  constexpr std::size_t kLongest = 500;  // SQLite takes 512 bytes, with endings of its own
+  std::error_code ignored;
+  const bool is_long = std::filesystem::absolute(path, ignored).native().size() > kLongest;
+  return is_long ? ": its path is longer than the 500 bytes that are possible" : "";
 }
 
 }  // namespace
@@ -101,7 +110,7 @@ void Database::fail(int code) const {
     case SQLITE_PERM:
       throw IoError(name + ": cannot write the study database, it is read-only");
     case SQLITE_CANTOPEN:
-      throw IoError(name + ": cannot open the study database");
+      throw IoError(name + ": cannot open the study database" + why_not_opened(path_));
     case SQLITE_IOERR:
       throw IoError(name +
                     ": the study database cannot be read or written: the disk is full, a limit on "

@@ -189,6 +189,14 @@ TEST(Storage, RefusesWhatIsNoDatabase) {
   EXPECT_THROW(Storage::read(folder / "nothing"), IoError);
 }
 
+TEST(Storage, SaysThatAPathIsTooLong) {
+  const TemporaryFolder folder;
+  const std::string name(200, 'x');
+  const std::filesystem::path deep = folder / name / name / name;
+  make_folder(deep);
+  EXPECT_THAT(open_error(deep / "s.sqlite"), HasSubstr("its path is longer than the 500 bytes"));
+}
+
 TEST(Storage, RefusesATruncatedDatabaseWhateverIsLeft) {
   const TemporaryFolder folder;
   {

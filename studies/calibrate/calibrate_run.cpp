@@ -125,6 +125,13 @@ void take_sources(CalibrateOptions& options) {
   }
 }
 
+/// That of the first picture, or of --from.
+fs::path folder_read(const CalibrateOptions& options) {
+  std::error_code ignored;
+  const fs::path first = options.pictures.empty() ? fs::path() : options.pictures.front();
+  return fs::absolute(options.from.empty() ? first : options.from, ignored).parent_path();
+}
+
 void check_folder(const CalibrateOptions& options, const fs::path& out) {
   const std::array<std::string, 8> names = {"calibration.toml",
                                             "calibration.json",
@@ -139,6 +146,9 @@ void check_folder(const CalibrateOptions& options, const fs::path& out) {
   inputs.insert(inputs.end(), options.poses.begin(), options.poses.end());
   inputs.insert(inputs.end(), {options.from, options.board, options.camera});
   check_inputs_kept(inputs, out, names);
+  if (options.out.empty()) {
+    check_source_of_folder(out, folder_read(options));
+  }
 }
 
 }  // namespace
@@ -170,7 +180,10 @@ Json calibrate_pictures(const CalibrateOptions& given) {
   const std::string when = moment_text(started, seconds_since(start));
   write_file(writer.path() / "report.html",
              calibrate_page(result, input, solved, residuals_px, when));
-  writer.finish({{"pictures", input.names.size()}, {"threads", options.threads}}, start);
+  writer.finish({{"pictures", input.names.size()},
+                 {"source", source_seen_from(out, folder_read(options))},
+                 {"threads", options.threads}},
+                start);
   result["report"] = (out / "report.html").string();
   result["folder"] = out.string();
   return result;

@@ -43,6 +43,12 @@ std::vector<std::string> written_stems(const std::vector<fs::path>& pictures) {
   return stems;
 }
 
+/// That of the first picture.
+fs::path folder_undistorted(const UndistortOptions& options) {
+  std::error_code ignored;
+  return fs::absolute(options.pictures.front(), ignored).parent_path();
+}
+
 void check_options(const UndistortOptions& options, const fs::path& out) {
   if (options.pictures.empty()) {
     throw ConfigError("PICTURES: there are none; give the pictures to undistort");
@@ -58,6 +64,9 @@ void check_options(const UndistortOptions& options, const fs::path& out) {
   std::vector<fs::path> inputs = options.pictures;
   inputs.push_back(options.camera);
   check_inputs_kept(inputs, out, names);
+  if (options.out.empty()) {
+    check_source_of_folder(out, folder_undistorted(options));
+  }
 }
 
 /// The camera with the picture's size, where its file does not tell one.
@@ -167,7 +176,9 @@ Json undistort_pictures(const UndistortOptions& options) {
          {"written", write_picture(writer.path(), file.stem().string(), picture, channels)}});
   }
   write_file(writer.path() / "camera.toml", camera_toml(camera));
-  writer.finish({{"pictures", pictures.size()}}, start);
+  writer.finish({{"pictures", pictures.size()},
+                 {"source", source_seen_from(out, folder_undistorted(options))}},
+                start);
   return {{"schema", 1},
           {"status", "done"},
           {"pictures", pictures},

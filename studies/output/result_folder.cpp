@@ -154,6 +154,29 @@ void check_study_of_folder(const fs::path& folder, const std::string& study) {
   }
 }
 
+std::string source_seen_from(const fs::path& folder, const fs::path& source) {
+  std::error_code ignored;
+  const auto whole = [&](const fs::path& path) {
+    return fs::weakly_canonical(fs::absolute(path, ignored), ignored);
+  };
+  return source.empty() ? "" : whole(source).lexically_relative(whole(folder)).generic_string();
+}
+
+void check_source_of_folder(const fs::path& folder, const fs::path& source) {
+  const Json run = run_json_in(folder);
+  const auto told = run.is_object() ? run.find("source") : run.end();
+  if (told == run.end() || !told->is_string() || source.empty()) {
+    return;
+  }
+  const auto other = told->get<std::string>();
+  if (!other.empty() && other != source_seen_from(folder, source)) {
+    throw ConfigError(
+        fmt::format("{}: holds results of files in {}; give another folder with --out",
+                    folder.string(),
+                    (folder / other).lexically_normal().string()));
+  }
+}
+
 void check_inputs_kept(std::span<const fs::path> inputs,
                        const fs::path& folder,
                        std::span<const std::string> names) {

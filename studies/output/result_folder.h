@@ -61,6 +61,18 @@ std::string study_of_folder(const std::filesystem::path& folder);
 /// @throws ConfigError when run.json tells another study than this one
 void check_study_of_folder(const std::filesystem::path& folder, const std::string& study);
 
+/// How run.json tells the folder that results were made of, as `source`: seen from the folder of
+/// the results, so that both may be moved together. Empty: no folder is told.
+std::string source_seen_from(const std::filesystem::path& folder,
+                             const std::filesystem::path& source);
+
+/// Asks before anything is written to a default folder: out/pictures/calibrate is that of all
+/// folders which are called "pictures".
+/// @param source  the folder that is read
+/// @throws ConfigError when run.json tells another source than this one
+void check_source_of_folder(const std::filesystem::path& folder,
+                            const std::filesystem::path& source);
+
 /// @param inputs  files that are read; an empty path is none
 /// @param names   as above
 /// @throws ConfigError naming an input that is one of these files or lies in one of these folders

@@ -295,6 +295,9 @@ Json calibrate_sensor(const SensorOptions& options) {
   const fs::path out = out_of(options);
   check_result_folder(out, ResultKind::kSensor, kNames);
   check_inputs_kept(std::array<fs::path, 1>{options.folder / "levels.csv"}, out, kNames);
+  if (options.out.empty()) {
+    check_source_of_folder(out, options.folder);
+  }
   ThreadPool pool(options.threads);
   const SensorPictures pictures(options, pool);
   const std::vector<LevelStatistics> levels = pictures.levels();
@@ -309,7 +312,10 @@ Json calibrate_sensor(const SensorOptions& options) {
   write_file(
       writer.path() / "report.html",
       sensor_page(result, levels, transfer, toml, moment_text(started, seconds_since(start))));
-  writer.finish({{"levels", levels.size()}, {"threads", options.threads}}, start);
+  writer.finish({{"levels", levels.size()},
+                 {"source", source_seen_from(out, options.folder)},
+                 {"threads", options.threads}},
+                start);
   result["report"] = (out / "report.html").string();
   result["folder"] = out.string();
   return result;

@@ -172,6 +172,22 @@ TEST_F(Slip, EachVerbHasADefaultFolderOfItsOwn) {
   }
 }
 
+// Both cameras' folders are called "pictures", and so is that of the results.
+TEST_F(Slip, FoldersOfPicturesWithOneNameAreNotMixed) {
+  write_file(folder_ / "camera.toml", "[camera]\nwidth_px = 64\nheight_px = 48\nfocal_x_px = 90\n");
+  for (const char* side : {"left", "right"}) {
+    fs::create_directories(folder_ / side / "pictures");
+    write_png(folder_ / side / "pictures/a.png", ImageF(64, 48, 0.5F), PixelDepth::k8Bit);
+  }
+  const auto undistort = [](const std::string& side) {
+    return Arguments{"undistort", side + "/pictures/a.png", "--camera", "camera.toml"};
+  };
+  expect_done(undistort("left"));
+  expect_refused(undistort("right"),
+                 "out/pictures/undistort: holds results of files in left/pictures; give another");
+  expect_done(undistort("left"));
+}
+
 TEST_F(Slip, ARunInTheFormerDefaultFolderIsResumed) {
   expect_done({"run", "gear.toml", "--out", "out/gear"});
   const auto before = files_below(folder_ / "out/gear");

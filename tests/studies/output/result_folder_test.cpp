@@ -87,6 +87,24 @@ TEST(ResultFolder, OfAnotherStudyIsRefused) {
   EXPECT_NO_THROW(check_study_of_folder(folder.path(), "shaft"));
 }
 
+TEST(ResultFolder, OfFilesOfAnotherFolderIsRefused) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out/pictures/calibrate";
+  const auto check = [&](const char* source) {
+    return text_thrown_by<ConfigError>([&] { check_source_of_folder(out, folder / source); });
+  };
+  EXPECT_EQ(source_seen_from(out, folder / "left/pictures"), "../../../left/pictures");
+  EXPECT_EQ(source_seen_from(out, fs::path()), "");
+  EXPECT_NO_THROW(check_source_of_folder(out, folder / "left/pictures"));
+  make_folder(out);
+  write_file(out / "run.json", R"({"verb": "calibrate"})");
+  EXPECT_NO_THROW(check_source_of_folder(out, folder / "left/pictures")) << "an older version's";
+  write_file(out / "run.json", R"({"verb": "calibrate", "source": "../../../left/pictures"})");
+  EXPECT_NO_THROW(check_source_of_folder(out, folder / "left/pictures"));
+  EXPECT_THAT(check("right/pictures"),
+              HasSubstr("holds results of files in " + (folder / "left/pictures").string()));
+}
+
 TEST(ResultFolder, OfNobodyKnownKeepsItsFiles) {
   const TemporaryFolder folder;
   write_file(folder / "notes.txt", "mine");

@@ -40,10 +40,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 fs::path default_folder(const CompareInputs& inputs) {
-  std::error_code ignored;
-  const fs::path whole = fs::weakly_canonical(fs::absolute(inputs.simulated, ignored), ignored);
-  const std::string name =
-      whole.filename().empty() ? whole.parent_path().filename().string() : whole.stem().string();
+  const std::string name = name_of_source(inputs.simulated);
   return default_result_folder(name.empty() ? "comparison" : name, ResultKind::kCompare);
 }
 

@@ -210,6 +210,18 @@ fs::path default_result_folder(const std::string& name, ResultKind kind) {
   return fs::path("out") / name / names_of(kind).folder;
 }
 
+std::string name_of_source(const fs::path& source) {
+  std::error_code ignored;
+  fs::path whole = fs::weakly_canonical(fs::absolute(source, ignored), ignored);
+  if (whole.filename().empty()) {  // "out/gear/run/" that is not there
+    whole = whole.parent_path();
+  }
+  if (whole.filename() == "run" || whole.filename() == "render") {
+    whole = whole.parent_path();
+  }
+  return (fs::is_regular_file(whole, ignored) ? whole.stem() : whole.filename()).string();
+}
+
 fs::path folder_of_pictures(std::span<const fs::path> files, ResultKind kind) {
   std::error_code ignored;
   const fs::path first = files.empty() ? fs::path() : files.front();

@@ -91,6 +91,11 @@ void mark_result_folder(const std::filesystem::path& folder,
 /// Where results go unless --out tells: out/<name>/<last word of the command>.
 std::filesystem::path default_result_folder(const std::string& name, ResultKind kind);
 
+/// What results made of a file or folder are called: by its name, or that of the folder around it
+/// where it is one of a run or a rendering. "gear" of out/gear/run, gear and gear.png. Empty: it
+/// has no name.
+std::string name_of_source(const std::filesystem::path& source);
+
 /// The same with the name of the folder that the first file is in.
 std::filesystem::path folder_of_pictures(std::span<const std::filesystem::path> files,
                                          ResultKind kind);

@@ -111,11 +111,8 @@ class ValidateRun {
   };
 
   static fs::path default_folder(const fs::path& run) {
-    std::error_code ignored;
-    const fs::path whole = fs::weakly_canonical(fs::absolute(run, ignored), ignored);
-    const std::string name = whole.filename().empty() ? whole.parent_path().filename().string()
-                                                      : whole.filename().string();
-    return default_result_folder(name, ResultKind::kValidate);
+    const std::string name = name_of_source(run);
+    return default_result_folder(name.empty() ? "run" : name, ResultKind::kValidate);
   }
 
   std::int64_t steps() const { return 2 * static_cast<std::int64_t>(sources_.designs.size()) + 2; }

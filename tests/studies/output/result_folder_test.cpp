@@ -155,6 +155,20 @@ TEST(ResultFolder, OfARunIsTheOlderOneWhereThatHoldsTheRun) {
   fs::current_path(before);
 }
 
+// Else the default folder of what is made of a run would be the same for all studies.
+TEST(ResultFolder, IsCalledAfterTheStudyOfARun) {
+  const TemporaryFolder folder;
+  make_folder(folder / "out/gear/run");
+  make_folder(folder / "photos.raw");
+  write_file(folder / "s.png", "");
+  EXPECT_EQ(name_of_source(folder / "out/gear/run"), "gear");
+  EXPECT_EQ(name_of_source(folder / "out/gear/run/"), "gear");
+  EXPECT_EQ(name_of_source(folder / "out/gear/render/"), "gear") << "it is not there";
+  EXPECT_EQ(name_of_source(folder / "out/gear"), "gear");
+  EXPECT_EQ(name_of_source(folder / "photos.raw"), "photos.raw");
+  EXPECT_EQ(name_of_source(folder / "s.png"), "s");
+}
+
 TEST(ResultFolder, DefaultsDifferFromVerbToVerb) {
   for (const ResultKind one : kAll) {
     for (const ResultKind other : kAll) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "studies/output/run_folder.h"
 
 namespace glint {
 
@@ -50,10 +51,26 @@ Study load_study(const StudyArguments& arguments, SceneUse use) {
   return study;
 }
 
+namespace {
+
+/// What a default folder is called after: the study, before it the run that its file lies in, as
+/// each has a winner. Parts that are imprinted go on where those of earlier versions are.
+std::string name_of_results(const std::filesystem::path& file,
+                            const Study& study,
+                            ResultKind kind) {
+  const std::filesystem::path run = run_above(without_links(file));
+  const bool is_of_run = !run.empty() && kind != ResultKind::kImprint && kind != ResultKind::kTools;
+  return is_of_run ? name_of_source(run) + "_" + study.name : study.name;
+}
+
+}  // namespace
+
 std::filesystem::path out_folder(const StudyArguments& arguments,
                                  const Study& study,
                                  ResultKind kind) {
-  return arguments.out.empty() ? default_result_folder(study.name, kind) : arguments.out;
+  return arguments.out.empty()
+             ? default_result_folder(name_of_results(arguments.study, study, kind), kind)
+             : arguments.out;
 }
 
 void print_result(const CommonArguments& common,

@@ -163,11 +163,13 @@ TEST_F(Slip, EachVerbHasADefaultFolderOfItsOwn) {
   expect_done({"imprint", "shaft.toml", "--no_previews"});
   expect_done({"imprint", "shaft.toml", "--preview_tools"});
   expect_done({"inspect", "out/gear/run"});
+  expect_done({"render", "out/gear/run/winner/scene.toml"});
   for (const char* file : {"out/gear/run/study.sqlite",
                            "out/gear/render/baseline/aspect.png",
                            "out/shaft/imprint/part.stl",
                            "out/shaft/tools/tools.png",
-                           "out/gear/inspect/winner/overlay.png"}) {
+                           "out/gear/inspect/winner/overlay.png",
+                           "out/gear_winner/render/baseline/aspect.png"}) {
     EXPECT_TRUE(fs::exists(folder_ / file)) << file;
   }
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/shell/counted.h"
 #include "cli/shell/interrupts.h"
 #include "cli/shell/note_lines.h"
 #include "studies/imprint/imprint_run.h"
@@ -48,10 +49,12 @@ std::string defects_text(const Json& result) {
 }
 
 std::string totals_text(const Json& result) {
-  return fmt::format("{} defects made, {} given up, {} retries, {:.6g} mm3 removed\n",
-                     result["made"].get<int>(),
+  const int retries = result["retries"].get<int>();
+  return fmt::format("{} made, {} given up, {} {}, {:.6g} mm3 removed\n",
+                     counted(result["made"].get<std::size_t>(), "defect"),
                      result["given_up"].get<int>(),
-                     result["retries"].get<int>(),
+                     retries,
+                     retries == 1 ? "retry" : "retries",
                      result["removed_volume_mm3"].get<double>());
 }
 

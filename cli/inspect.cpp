@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/shell/counted.h"
 #include "cli/shell/interrupts.h"
 #include "studies/inspect/inspect_folder.h"
 #include "studies/inspect/inspect_run.h"
@@ -41,10 +42,10 @@ std::string part_text(const Json& part, const std::string& unit) {
                   fmt::format("{:.1f} %", 100.0 * part["bright_share"].get<double>()));
   if (part.contains("truth")) {
     const Json& truth = part["truth"];
-    text += fmt::format("  {} of {} found, {} false alarms",
+    text += fmt::format("  {} of {} found, {}",
                         truth["found"].get<int>(),
                         truth["defects"].get<int>(),
-                        truth["false_alarms"].get<int>());
+                        counted(truth["false_alarms"].get<std::size_t>(), "false alarm"));
   }
   return text + "\n";
 }

@@ -13,6 +13,7 @@
 
 #include "cli/acquire/validation.h"
 #include "cli/commands.h"
+#include "cli/shell/counted.h"
 #include "cli/shell/interrupts.h"
 #include "cli/shell/scores_text.h"
 #include "core/text.h"
@@ -80,16 +81,17 @@ class ScoreTable {
 std::string outcome(const Json& result) {
   const auto status = result["status"].get<std::string>();
   const std::string words = status == "no_feasible" ? "no feasible design" : status;
-  const int evaluations = result["evaluations"].get<int>();
-  return evaluations == 0
-             ? fmt::format("{}: {} designs, no search\n", words, 1 + result["prototypes"].size())
-             : fmt::format("{}: {} evaluations, {} failed{}\n",
-                           words,
-                           evaluations,
-                           result["failed"].get<int>(),
-                           result.contains("ended_by")
-                               ? "; ended by " + result["ended_by"].get<std::string>()
-                               : "");
+  const auto evaluations = result["evaluations"].get<std::size_t>();
+  const bool has_searched = result.contains("ended_by");
+  return evaluations == 0 && !has_searched
+             ? fmt::format(
+                   "{}: {}, no search\n", words, counted(1 + result["prototypes"].size(), "design"))
+             : fmt::format(
+                   "{}: {}, {} failed{}\n",
+                   words,
+                   counted(evaluations, "evaluation"),
+                   result["failed"].get<int>(),
+                   has_searched ? "; ended by " + result["ended_by"].get<std::string>() : "");
 }
 
 /// The sentences of the verdict, one a line.
@@ -240,9 +242,9 @@ std::string cost_parts_text(const Json& cpu_s) {
 
 /// "0.120 CPU s an evaluation, 300 evaluations"
 std::string evaluations_text(const Json& result) {
-  return fmt::format("{:.3f} CPU s an evaluation, {} evaluations{}\n",
+  return fmt::format("{:.3f} CPU s an evaluation, {}{}\n",
                      result["seconds_per_evaluation"].get<double>(),
-                     result["evaluations"].get<int>(),
+                     counted(result["evaluations"].get<std::size_t>(), "evaluation"),
                      result["is_lower_bound"].get<bool>()
                          ? " or more: threads without a candidate of their own help"
                          : "");
@@ -293,11 +295,10 @@ std::vector<std::string> warnings_of(const Json& result) {
 /// "gear: the study is sound, 2 variables", "gear: the study can be run, 1 warning, 2 variables"
 std::string checked_text(const std::string& name, std::size_t warnings, std::size_t variables) {
   return fmt::format(
-      "{}: the study {}, {} variables\n",
+      "{}: the study {}, {}\n",
       name,
-      warnings == 0 ? std::string("is sound")
-                    : fmt::format("can be run, {} warning{}", warnings, warnings == 1 ? "" : "s"),
-      variables);
+      warnings == 0 ? std::string("is sound") : "can be run, " + counted(warnings, "warning"),
+      counted(variables, "variable"));
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 // result.json and what studies/compare/compare_page.cpp adds to it.
 import { axisStyle, chart, kInk } from './charts.js';
 import { h, picture, pngUrl, section } from './dom.js';
-import { isNumber, number } from './format.js';
+import { isNumber, number, plural } from './format.js';
 
 const kBlinkMs = 600;
 const kSimulated = '#d55e00';
@@ -161,7 +161,7 @@ function inspectionTable(pair) {
   const sides = ['simulated', 'real'];
   const unfound = (side) => (side.found === null ? 'outside the picture' : 'missed');
   const row = (defect) => h('tr', {}, h('td', {}, defect.label), sides.map((side) => h('td', { class: 'number' }, defect[side].found_as ?? unfound(defect[side]))), sides.map((side) => h('td', { class: 'number' }, contrast(defect[side]))));
-  const total = (side) => `${inspection[side].found} found, ${inspection[side].missed} missed, ${inspection[side].false_alarms} false alarms`;
+  const total = (side) => `${inspection[side].found} found, ${inspection[side].missed} missed, ${plural(inspection[side].false_alarms, 'false alarm')}`;
   return h('div', {}, h('h4', {}, 'Inspection of both'), h('p', { class: 'lead' }, `Simulated: ${total('simulated')}. Photograph: ${total('real')}.`),
     inspection.notes.length > 0 && h('ul', { class: 'notes' }, inspection.notes.map((note) => h('li', {}, note))),
     table(['defect', 'simulated', 'photograph', 'contrast simulated', 'contrast in the photograph'], inspection.defects.map(row)));

@@ -32,7 +32,10 @@ constexpr std::array kAll = {ResultKind::kRun,
                              ResultKind::kUndistort,
                              ResultKind::kCover,
                              ResultKind::kCompare,
-                             ResultKind::kGrab};
+                             ResultKind::kValidate,
+                             ResultKind::kGrab,
+                             ResultKind::kAcquire,
+                             ResultKind::kStability};
 
 const std::vector<std::string> kNames = {"result.json", "report.html", "baseline"};
 

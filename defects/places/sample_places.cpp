@@ -2,11 +2,14 @@
 #include "defects/places/sample_places.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/pose.h"
 
 namespace glint {
 namespace {
@@ -14,6 +17,31 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kAnywhere_mm = std::numeric_limits<double>::infinity();
+
+/// Never -0.
+double in_hundredths(double value) {
+  return std::round(100.0 * value) / 100.0 + 0.0;
+}
+
+/// "; x 19.2 mm, y 1 mm is on it": the place seen from above that is nearest, some way inwards of
+/// the edge; empty where none is found.
+std::string place_nearby(const Part& part, const Bvh& bvh, double x_mm, double y_mm) {
+  constexpr double kInwards = 0.02;  // of the part's diagonal
+  const Vector3d given(x_mm, y_mm, part.box_in_part_mm.max_mm.z());
+  const auto nearest = bvh.nearest(part.mesh, part.scene_from_part * given, kAnywhere_mm);
+  if (!nearest) {
+    return "";
+  }
+  const Vector3d there = inverse(part.scene_from_part) * nearest->point_mm;
+  const Eigen::Vector2d way = (there - given).head<2>();
+  const double inwards_mm = kInwards * part.box_in_part_mm.size_mm().head<2>().norm();
+  const Eigen::Vector2d at = there.head<2>() + inwards_mm * way.normalized();
+  const double at_x_mm = in_hundredths(at.x());
+  const double at_y_mm = in_hundredths(at.y());
+  return place_on_surface(part, bvh, at_x_mm, at_y_mm)
+             ? fmt::format("; x {:g} mm, y {:g} mm is on it", at_x_mm, at_y_mm)
+             : std::string();
+}
 
 FixedPlace seen_from_above(const Part& part,
                            const Bvh& bvh,
@@ -26,12 +54,13 @@ FixedPlace seen_from_above(const Part& part,
         table,
         fmt::format(
             "place {} at x {:g} mm, y {:g} mm is beside the part; the part reaches over {:g} x "
-            "{:g} mm",
+            "{:g} mm{}",
             i + 1,
             group.x_mm[i],
             group.y_mm[i],
             part.box_in_part_mm.size_mm().x(),
-            part.box_in_part_mm.size_mm().y()));
+            part.box_in_part_mm.size_mm().y(),
+            place_nearby(part, bvh, group.x_mm[i], group.y_mm[i])));
   }
   const auto nearest = bvh.nearest(part.mesh, place->centre_mm, kAnywhere_mm);
   GLINT_CHECK(nearest.has_value(), "a part has triangles");

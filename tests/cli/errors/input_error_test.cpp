@@ -236,7 +236,8 @@ TEST_F(InputError, DefectBesideThePart) {
   expect_refused(study,
                  kUsage,
                  "study\\.toml:[0-9]+:[0-9]+: defects\\.dent: place 1 at x 25 mm, y 1 mm is beside "
-                 "the part; the part reaches over 40 x 12 mm");
+                 "the part; the part reaches over 40 x 12 mm; x 19\\.[0-9]+ mm, y [0-9.]+ mm is on "
+                 "it");
 }
 
 // The defect out of sight is of the second table; the first has one that is seen.

@@ -304,7 +304,8 @@ TEST(DefectSampler, PlacesBesideThePartAreErrors) {
         Sampled(sampler_plate(), {{"dent", {.x_mm = {45.0}, .y_mm = {0.0}}}});
       },
       ThrowsMessage<ConfigError>(StartsWith("defects.dent: place 1 at x 45 mm, y 0 mm is beside "
-                                            "the part; the part reaches over 60 x 40 mm")));
+                                            "the part; the part reaches over 60 x 40 mm; x "
+                                            "28.56 mm, y 0 mm is on it")));
   EXPECT_THAT(
       [] {
         Sampled(sampler_plate(), {{"dent", {.at_mm = {0.0, 0.0, 2.01}}}});

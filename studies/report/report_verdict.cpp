@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -200,6 +201,16 @@ bool say_better_prototype(const std::vector<Rival>& rivals,
   return true;
 }
 
+/// Of a search that found nothing: what the best of the designs that were set shows.
+void add_findings_on_rest(const Json& data, const Wording& wording, Verdict& verdict) {
+  if (const Json* rest = best_design(member(data, "designs"), wording, "")) {
+    for (Finding& finding : report_detail::findings_on(data, *rest)) {
+      finding.text = fmt::format("Of {}: {}", title_of(*rest), finding.text);
+      verdict.details.push_back(std::move(finding));
+    }
+  }
+}
+
 /// A search that found no design to recommend.
 Verdict verdict_without_winner(const Json& data, const Wording& wording) {
   const Json& trials = member(data, "trials");
@@ -210,10 +221,12 @@ Verdict verdict_without_winner(const Json& data, const Wording& wording) {
         trials.size() == 1
             ? std::string("The only evaluation failed; its reason is below.")
             : fmt::format("All {} evaluations failed; the reasons are below.", trials.size()));
+    add_findings_on_rest(data, wording, verdict);
     return verdict;
   }
   verdict.say("no_feasible", fmt::format("No feasible design in {}.", evaluations(trials.size())));
   verdict.add(limit_rates(data));
+  add_findings_on_rest(data, wording, verdict);
   return verdict;
 }
 

@@ -312,6 +312,21 @@ TEST(Verdict, NamesTheLightsWhoseVariablesOfOneNameLieOnTheirLimits) {
             "powers lie on their limits: a better design may lie beyond them.");
 }
 
+TEST(Verdict, OfASearchThatFailedTellsWhatTheBestDesignThatWasSetShows) {
+  Json data = sound_search();
+  data["designs"] = Json::array({design_with("baseline", 5.0), design_with("dome", 7.0)});
+  for (Json& trial : data["trials"]) {
+    trial["failed"] = true;
+  }
+  EXPECT_EQ(text_of_code(data, "all_failed"), "All 5 evaluations failed; the reasons are below.");
+  EXPECT_EQ(text_of_code(data, "defects_clearer"),
+            "Of dome: The worst defect shows more clearly than under the baseline (smallest CNR "
+            "7.00 against 5.00).");
+  data["designs"].erase(1);
+  EXPECT_EQ(text_of_code(data, "defects_shown"),
+            "Of baseline: The worst defect: smallest CNR 5.00.");
+}
+
 // Without a dark share before it, "of it" would be of nothing.
 TEST(Verdict, SaysWhatIsAtFullScale) {
   Json data = sound_search();

@@ -45,6 +45,7 @@ class PlanRun {
 
   Json execute() {
     check_result_folder(options_.out, ResultKind::kViewPlan, kFiles);
+    check_study_of_folder(options_.out, study_.name);
     std::vector<fs::path> inputs = input_files(study_);
     inputs.push_back(options_.cell);
     check_inputs_kept(inputs, options_.out, kFiles);

@@ -152,6 +152,13 @@ TEST_F(PlanStudyTest, LeavesNoPictureOfAnEarlierPlan) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out/pictures/view_02.png"));
 }
 
+TEST_F(PlanStudyTest, LeavesThePlanOfAnotherStudy) {
+  make_folder(folder_ / "out");
+  write_file(folder_ / "out/run.json", R"({"verb": "plan", "study": "gear"})");
+  EXPECT_THAT(problem(kScene + kCalibration, kCell),
+              HasSubstr("out: holds results of `glint plan` of gear; choose another"));
+}
+
 // The camera looks straight down on the part's origin from 180 mm: at (280, -120, 200) in the base.
 TEST_F(PlanStudyTest, PutsTheCameraWhereTheSceneHasIt) {
   const nlohmann::ordered_json result = plan(kScene + kCalibration, kCell);

@@ -32,22 +32,6 @@ Statement& bind_key(Statement& statement, const Replicate& replicate) {
       .bind(std::bit_cast<std::int64_t>(replicate.seed));
 }
 
-void read_values(Database& database, Replicate& replicate) {
-  Statement row(database,
-                "SELECT name, value FROM replicate_value WHERE kind = ? AND number = ? AND rung = "
-                "? AND replicate = ? AND seed = ?");
-  bind_key(row, replicate);
-  while (row.step()) {
-    replicate.outcome.scores[row.text(0)] = row.real(1);
-  }
-}
-
-}  // namespace
-
-void create_replicate_tables(Database& database) {
-  database.run(kReplicateTables);
-}
-
 void insert_replicate(Database& database, const Replicate& replicate) {
   Statement old(database,
                 "DELETE FROM replicate_value WHERE kind = ? AND number = ? AND rung = ? AND "
@@ -64,6 +48,35 @@ void insert_replicate(Database& database, const Replicate& replicate) {
     bind_key(value, replicate).bind(std::string_view(name)).bind(score + 0.0).run();
     value.reset();
   }
+}
+
+void read_values(Database& database, Replicate& replicate) {
+  Statement row(database,
+                "SELECT name, value FROM replicate_value WHERE kind = ? AND number = ? AND rung = "
+                "? AND replicate = ? AND seed = ?");
+  bind_key(row, replicate);
+  while (row.step()) {
+    replicate.outcome.scores[row.text(0)] = row.real(1);
+  }
+}
+
+}  // namespace
+
+void create_replicate_tables(Database& database) {
+  database.run(kReplicateTables);
+}
+
+void insert_replicates(Database& database, std::span<const Replicate> replicates) {
+  for (const Replicate& replicate : replicates) {
+    insert_replicate(database, replicate);
+  }
+}
+
+bool has_replicate(Database& database, const Replicate& replicate) {
+  Statement row(database,
+                "SELECT 1 FROM replicate WHERE kind = ? AND number = ? AND rung = ? AND replicate "
+                "= ? AND seed = ?");
+  return bind_key(row, replicate).step();
 }
 
 std::vector<Replicate> read_replicates(Database& database, TrialKind kind) {

@@ -3,14 +3,8 @@
 
 #include <sqlite3.h>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <fstream>
 #include <mutex>
 #include <optional>
@@ -18,6 +12,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "optimizer/storage/lock_file.h"
 #include "optimizer/storage/replicate_rows.h"
 #include "optimizer/storage/sqlite.h"
 #include "optimizer/storage/trial_rows.h"
@@ -98,50 +93,6 @@ Enum value_of(const std::string& name,
   }
   throw IoError(path.string() + ": unknown kind \"" + name + "\", the study database is damaged");
 }
-
-/// A lock that the system drops when the process ends, however it ends. The file goes with it.
-class LockFile {
- public:
-  explicit LockFile(std::filesystem::path path) : path_(std::move(path)) {
-    while (!try_lock()) {
-    }
-  }
-
-  ~LockFile() {
-    ::unlink(path_.c_str());
-    ::close(file_);
-  }
-
-  LockFile(const LockFile&) = delete;
-  LockFile& operator=(const LockFile&) = delete;
-
- private:
-  /// False when the former owner removed the file between our opening and locking it.
-  bool try_lock() {
-    file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (file_ < 0) {
-      throw IoError(path_.string() + ": cannot be written: " + last_system_error());
-    }
-    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
-      const bool is_held = errno == EWOULDBLOCK;
-      const std::string reason = last_system_error();
-      ::close(file_);
-      throw IoError(path_.string() + ": " +
-                    (is_held ? "another process is running this study" : reason));
-    }
-    struct stat ours = {};
-    struct stat named = {};
-    const bool is_same = ::fstat(file_, &ours) == 0 && ::stat(path_.c_str(), &named) == 0 &&
-                         ours.st_ino == named.st_ino && ours.st_dev == named.st_dev;
-    if (!is_same) {
-      ::close(file_);
-    }
-    return is_same;
-  }
-
-  std::filesystem::path path_;
-  int file_ = -1;
-};
 
 std::uint64_t big_endian(std::string_view bytes) {
   std::uint64_t value = 0;
@@ -280,6 +231,15 @@ std::int64_t begin_session(Database& database) {
 
 }  // namespace
 
+Replicate labelled(const OutcomeLabel& label, TrialKind kind, int number, Outcome outcome) {
+  return {.kind = kind,
+          .number = number,
+          .rung = label.rung,
+          .replicate = label.replicate,
+          .seed = label.seed,
+          .outcome = std::move(outcome)};
+}
+
 struct Storage::State {
   State(const std::filesystem::path& path, Database::Access access) : database(path, access) {}
 
@@ -330,7 +290,9 @@ Storage Storage::read(const std::filesystem::path& path) {
   return Storage(std::move(state));
 }
 
-void Storage::append(std::span<const Event> events, std::span<const Trial> new_trials) {
+void Storage::append(std::span<const Event> events,
+                     std::span<const Trial> new_trials,
+                     std::span<const Replicate> replicates) {
   const std::lock_guard lock(state_->mutex);
   Transaction transaction(state_->database);
   for (const Trial& trial : new_trials) {
@@ -339,6 +301,7 @@ void Storage::append(std::span<const Event> events, std::span<const Trial> new_t
       insert_outcome(state_->database, trial.kind, trial.number, *trial.outcome);
     }
   }
+  insert_replicates(state_->database, replicates);
   for (const Event& event : events) {
     insert_event(state_->database, event);
   }
@@ -357,18 +320,34 @@ void Storage::put_trial(const Trial& trial) {
   transaction.commit();
 }
 
-void Storage::record(TrialKind kind, int number, const Outcome& outcome) {
+void Storage::record(TrialKind kind,
+                     int number,
+                     const Outcome& outcome,
+                     std::span<const Replicate> replicates) {
   const std::lock_guard lock(state_->mutex);
   Transaction transaction(state_->database);
   insert_outcome(state_->database, kind, number, outcome);
+  insert_replicates(state_->database, replicates);
   transaction.commit();
 }
 
 void Storage::record(std::span<const Replicate> replicates) {
   const std::lock_guard lock(state_->mutex);
   Transaction transaction(state_->database);
+  insert_replicates(state_->database, replicates);
+  transaction.commit();
+}
+
+void Storage::record_missing(std::span<const Replicate> replicates) {
+  if (replicates.empty()) {
+    return;
+  }
+  const std::lock_guard lock(state_->mutex);
+  Transaction transaction(state_->database);
   for (const Replicate& replicate : replicates) {
-    insert_replicate(state_->database, replicate);
+    if (!has_replicate(state_->database, replicate)) {
+      insert_replicates(state_->database, {&replicate, 1});
+    }
   }
   transaction.commit();
 }

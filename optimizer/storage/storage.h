@@ -33,15 +33,25 @@ struct StudyIdentity {
   std::uint64_t seed = 1;
 };
 
-/// One of several outcomes of a trial. The search's own is that of Storage::record() alone.
-struct Replicate {
-  TrialKind kind = TrialKind::kSearch;
-  int number = 0;          ///< of the trial
+/// What tells the outcomes of a trial apart.
+struct OutcomeLabel {
   std::string rung;        ///< how it was rendered
   int replicate = 0;       ///< 0: with the random numbers that the search has
   std::uint64_t seed = 1;  ///< of the random numbers
-  Outcome outcome;         ///< derivatives and remarks are not kept
 };
+
+/// One of several outcomes of a trial. A search goes on from the trial's own alone.
+struct Replicate {
+  TrialKind kind = TrialKind::kSearch;
+  int number = 0;    ///< of the trial
+  std::string rung;  ///< these three as in OutcomeLabel
+  int replicate = 0;
+  std::uint64_t seed = 1;
+  Outcome outcome;  ///< derivatives and remarks are not kept
+};
+
+/// The outcome of a trial under its label.
+Replicate labelled(const OutcomeLabel& label, TrialKind kind, int number, Outcome outcome);
 
 /// Safe to use from several threads.
 class Storage {
@@ -65,19 +75,27 @@ class Storage {
   ~Storage();
 
   /// Appends events, and trials that the asks or replicates among them name for the first time,
-  /// with their outcomes where they have some, in one transaction: either all of it survives a
-  /// crash or nothing.
-  void append(std::span<const Event> events, std::span<const Trial> new_trials = {});
+  /// with their outcomes where they have some, and replicates as record() does, in one transaction:
+  /// either all of it survives a crash or nothing.
+  void append(std::span<const Event> events,
+              std::span<const Trial> new_trials = {},
+              std::span<const Replicate> replicates = {});
 
   /// Records a trial that needs no event (an inspected part), or replaces it.
   void put_trial(const Trial& trial);
 
-  /// Records the outcome of a trial that exists.
-  void record(TrialKind kind, int number, const Outcome& outcome);
+  /// Records the outcome of a trial that exists, and replicates as below, in one transaction.
+  void record(TrialKind kind,
+              int number,
+              const Outcome& outcome,
+              std::span<const Replicate> replicates = {});
 
   /// Records outcomes of trials that exist, in one transaction, and replaces those of the same
   /// trial, rung, replicate and seed. What a search goes on from they do not change.
   void record(std::span<const Replicate> replicates);
+
+  /// The same of those alone whose trial, rung, replicate and seed have no outcome yet.
+  void record_missing(std::span<const Replicate> replicates);
 
   /// Appends a kEpoch event and withdraws the outcomes of all search trials, in one transaction.
   void begin_epoch(const Event& event);

@@ -10,7 +10,7 @@
 
 #include "core/jobs.h"
 #include "core/wall_clock.h"
-#include "optimizer/front/front.h"
+#include "optimizer/search/best_so_far.h"
 #include "optimizer/search/replay.h"
 #include "optimizer/search/search_answer.h"
 #include "optimizer/search/search_target.h"
@@ -40,7 +40,8 @@ class Search {
         interrupt_(interrupt),
         on_evaluation_(on_evaluation),
         memory_(make_memory(task, storage)),
-        target_(task, storage.events()) {}
+        target_(task, storage.events()),
+        shown_(task.goal) {}
 
   SearchResult run() {
     begin_log(task_, storage_);
@@ -114,8 +115,7 @@ class Search {
     replay(task_, storage_, memory_);
     result_ = {.replayed = result_.replayed};
     on_derivatives_.clear();
-    shown_best_.reset();
-    shown_front_.clear();
+    shown_ = BestSoFar(task_.goal);
     return true;
   }
 
@@ -256,33 +256,9 @@ class Search {
     }
     ++result_.evaluations;
     result_.failed += evaluated.outcome->is_failed ? 1 : 0;
-    if (evaluated.outcome->is_failed) {
-      return;
+    if (!evaluated.outcome->is_failed) {
+      shown_.add(evaluated.number, evaluated.outcome->scores);
     }
-    if (has_several_objectives(task_.goal) && is_feasible(task_.goal, evaluated.outcome->scores)) {
-      count_on_front(evaluated.number);
-    } else if (shown_front_.empty() &&
-               (!shown_best_ ||
-                is_better(
-                    task_.goal, evaluated.outcome->scores, trial(*shown_best_).outcome->scores))) {
-      shown_best_ = evaluated.number;
-    }
-  }
-
-  void count_on_front(int number) {
-    shown_front_.push_back(number);
-    std::vector<std::vector<double>> rows;
-    for (const int shown : shown_front_) {
-      rows.push_back(minimised_objectives(task_.goal, trial(shown).outcome->scores));
-    }
-    std::vector<int> kept;
-    std::vector<std::vector<double>> front;
-    for (const std::size_t row : front_of(rows)) {
-      kept.push_back(shown_front_[row]);
-      front.push_back(rows[row]);
-    }
-    shown_front_ = std::move(kept);
-    shown_best_ = shown_front_[compromise_of(front, front_choice_of(task_.goal))];
   }
 
   void report(const Trial& last) const {
@@ -293,8 +269,8 @@ class Search {
                          .failed = result_.failed,
                          .seconds = seconds_before_ + seconds_since(start_),
                          .last = last};
-    state.best = shown_best_ ? std::optional(trial(*shown_best_)) : std::nullopt;
-    state.on_front = static_cast<int>(shown_front_.size());
+    state.best = shown_.number() ? std::optional(trial(*shown_.number())) : std::nullopt;
+    state.on_front = shown_.on_front();
     on_evaluation_(state);
   }
 
@@ -348,9 +324,8 @@ class Search {
   SearchTarget target_;
   std::mutex mutex_;
   SearchResult result_;
-  std::string on_derivatives_;     ///< the last that was let go of them
-  std::optional<int> shown_best_;  ///< best of all evaluated, told or not
-  std::vector<int> shown_front_;   ///< of several objectives
+  std::string on_derivatives_;  ///< the last that was let go of them
+  BestSoFar shown_;
   double seconds_before_ = 0.0;
   Clock::time_point start_ = Clock::now();
 };

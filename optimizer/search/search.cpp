@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <mutex>
 #include <utility>
 
@@ -46,6 +47,7 @@ class Search {
   SearchResult run() {
     begin_log(task_, storage_);
     replay(task_, storage_, memory_);
+    label_recorded();
     const std::vector<Event> log = storage_.events();
     std::ranges::for_each(last_epoch(log), [this](const Event& event) { look_at(event); });
     seconds_before_ = storage_.total_seconds();
@@ -234,11 +236,32 @@ class Search {
     outcome.seconds = seconds_since(start);
     make_storable(outcome);
     fail_unusable(trial(number).point, outcome);
-    storage_.record(TrialKind::kSearch, number, outcome);
+    storage_.record(TrialKind::kSearch, number, outcome, labelled_outcome(trial(number), outcome));
     const std::lock_guard lock(mutex_);
     trial(number).outcome = std::move(outcome);
     count(trial(number));
     report(trial(number));
+  }
+
+  /// The outcome under the label that the task gives it; nothing where it gives none.
+  std::vector<Replicate> labelled_outcome(const Trial& evaluated, const Outcome& outcome) const {
+    std::vector<Replicate> replicates;
+    if (task_.label) {
+      replicates.push_back(
+          labelled(task_.label(evaluated.point), evaluated.kind, evaluated.number, outcome));
+    }
+    return replicates;
+  }
+
+  /// What programs before recorded without labels.
+  void label_recorded() {
+    std::vector<Replicate> replicates;
+    for (const Trial& known : memory_.trials) {
+      if (known.outcome) {
+        std::ranges::move(labelled_outcome(known, *known.outcome), std::back_inserter(replicates));
+      }
+    }
+    storage_.record_missing(replicates);
   }
 
   void fail_unusable(const Point& point, Outcome& outcome) const {

@@ -70,7 +70,12 @@ std::string_view termination_name(Termination termination);
 /// review that is cut short by an interrupt returns nothing and is made again.
 using Review = std::function<std::optional<Event>(std::span<const Trial> told)>;
 
-/// What is searched, and how. All but budget, jobs and review belong into the study's config hash.
+/// How a design is rendered and with which random numbers, when it is evaluated now. Called from
+/// several threads when jobs > 1.
+using LabelOf = std::function<OutcomeLabel(const Point& point)>;
+
+/// What is searched, and how. All but budget, jobs, review and label belong into the study's config
+/// hash.
 struct SearchTask {
   SearchSpace space;
   SearchSettings settings;
@@ -83,6 +88,9 @@ struct SearchTask {
   /// the record alone the last batch and some drawn ones.
   bool verify_replay = false;
   Review review = {};  ///< empty: there is one epoch
+  /// Each outcome is recorded as a replicate, too, which stays when an epoch withdraws it. Empty:
+  /// none is.
+  LabelOf label = {};
 };
 
 /// Evaluates one design. Called from several threads when jobs > 1. What it throws as glint::Error

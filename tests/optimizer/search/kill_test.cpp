@@ -105,6 +105,7 @@ SearchResult search_in(const TemporaryFolder& folder, const std::string& algorit
       return Event{.kind = EventKind::kEpoch, .trial = 1};
     };
   }
+  task.label = [&](const Point&) { return OutcomeLabel{.rung = fmt::format("epoch {}", epoch)}; };
   const auto number = [&](int trial) { return trial + kNextEpoch * epoch; };
   return run_search(
       task,
@@ -167,7 +168,19 @@ std::string contents_of(const TemporaryFolder& folder) {
     }
     text += '\n';
   }
+  for (const Replicate& one : storage.replicates(TrialKind::kSearch)) {
+    text += fmt::format("{} in {} {}", one.number, one.rung, one.outcome.message);
+    for (const auto& [name, value] : one.outcome.scores) {
+      text += fmt::format(" {} {:a}", name, value);
+    }
+    text += '\n';
+  }
   return text;
+}
+
+int kept_outcomes(const TemporaryFolder& folder) {
+  const Storage storage = Storage::read(folder / "s.sqlite");
+  return static_cast<int>(storage.replicates(TrialKind::kSearch).size());
 }
 
 /// No evaluation was started again after it had been reported as recorded.
@@ -230,6 +243,7 @@ std::size_t expect_survival(const std::string& algorithm, std::size_t num_kills)
   const std::string expected_contents = contents_of(reference);
   EXPECT_EQ(expected.evaluations, 250);
   EXPECT_NE(expected_contents.find("dloss"), std::string::npos);
+  EXPECT_GE(kept_outcomes(reference), 250 + (algorithm == kInEpochs ? kOfFirstEpoch : 0));
 
   Rng rng(8, Stream::kTest, 0);
   std::size_t kills = 0;

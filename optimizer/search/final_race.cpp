@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <span>
 #include <utility>
@@ -55,25 +56,46 @@ std::vector<std::string> judged_scores(const Goal& goal) {
   return names;
 }
 
+/// Of the designs that have raced, by their keys: the search's trial, 0 of none.
+std::map<std::string, int> raced_trials(const Storage& storage) {
+  std::map<std::string, int> trials;
+  for (const Event& event : storage.events()) {
+    if (event.kind == EventKind::kReplicate) {
+      trials[event.text] = event.trial;
+    }
+  }
+  return trials;
+}
+
 class FinalRacing {
  public:
   FinalRacing(const Goal& goal,
               const std::vector<Entrant>& entrants,
               Storage& storage,
               const EvaluateReplicate& evaluate,
-              RaceLimits limits)
+              RaceLimits limits,
+              const LabelOfReplicate& label)
       : goal_(goal),
         entrants_(entrants),
         storage_(storage),
         evaluate_(evaluate),
         limits_(limits),
+        label_(label),
         names_(judged_scores(goal)) {
     found_.racers.resize(entrants.size());
+    const std::map<std::string, int> trials = raced_trials(storage);
     std::map<std::string, int> counts;
+    std::vector<Replicate> replicates;
     for (const Trial& known : storage.trials(TrialKind::kReplicate)) {
-      known_[{known.name, counts[known.name]++}] = *known.outcome;
+      const int replicate = counts[known.name]++;
+      known_[{known.name, replicate}] = *known.outcome;
       next_ = known.number + 1;
+      const auto trial = trials.find(known.name);
+      std::ranges::move(
+          labelled_outcome(known, trial != trials.end() ? trial->second : 0, replicate),
+          std::back_inserter(replicates));
     }
+    storage.record_missing(replicates);  // programs before recorded none
   }
 
   /// @return false: interrupted
@@ -143,8 +165,24 @@ class FinalRacing {
                          .name = entrant.key,
                          .point = entrant.point,
                          .outcome = outcome};
-    storage_.append({&event, 1}, {&trial, 1});
+    storage_.append({&event, 1}, {&trial, 1}, labelled_outcome(trial, entrant.trial, replicate));
     return outcome;
+  }
+
+  /// A replicate of the search's trial or, of a design that is none, of the race's own.
+  /// @param raced   of the race, with an outcome
+  /// @param number  of the search's trial; 0: of none
+  std::vector<Replicate> labelled_outcome(const Trial& raced, int number, int replicate) const {
+    std::vector<Replicate> replicates;
+    if (label_) {
+      const Entrant entrant = {.key = raced.name, .trial = number, .point = raced.point};
+      const bool is_of_search = number > 0;
+      replicates.push_back(labelled(label_(entrant, replicate),
+                                    is_of_search ? TrialKind::kSearch : TrialKind::kReplicate,
+                                    is_of_search ? number : raced.number,
+                                    *raced.outcome));
+    }
+    return replicates;
   }
 
   Scores mean_scores(const std::vector<Scores>& replicates) const {
@@ -278,6 +316,7 @@ class FinalRacing {
   Storage& storage_;
   const EvaluateReplicate& evaluate_;
   RaceLimits limits_;
+  const LabelOfReplicate& label_;
   std::vector<std::string> names_;
   std::map<std::pair<std::string, int>, Outcome> known_;
   int next_ = 1;  ///< number of the next replicate in the database
@@ -296,8 +335,9 @@ std::optional<FinalRace> run_final_race(const Goal& goal,
                                         Storage& storage,
                                         const EvaluateReplicate& evaluate,
                                         const std::atomic<int>* interrupt,
-                                        RaceLimits limits) {
-  FinalRacing race(goal, entrants, storage, evaluate, limits);
+                                        RaceLimits limits,
+                                        const LabelOfReplicate& label) {
+  FinalRacing race(goal, entrants, storage, evaluate, limits, label);
   return race.run(interrupt) ? std::optional(race.result()) : std::nullopt;
 }
 

@@ -61,7 +61,12 @@ int race_size(int evaluations);
 /// takes the design out of the race, except IoError and EvaluationAborted.
 using EvaluateReplicate = std::function<Scores(const Entrant& entrant, int replicate)>;
 
+/// How a design is rendered for a replicate and with which random numbers.
+using LabelOfReplicate = std::function<OutcomeLabel(const Entrant& entrant, int replicate)>;
+
 /// @param entrants  at least one that is a trial
+/// @param label     each outcome is recorded under it, too: of a trial of the search, or of the
+///                  race's own (TrialKind::kReplicate) where the design is none. Empty: none is.
 /// @return empty: interrupted
 /// @throws IoError
 std::optional<FinalRace> run_final_race(const Goal& goal,
@@ -69,6 +74,7 @@ std::optional<FinalRace> run_final_race(const Goal& goal,
                                         Storage& storage,
                                         const EvaluateReplicate& evaluate,
                                         const std::atomic<int>* interrupt = nullptr,
-                                        RaceLimits limits = RaceLimits::kByMeans);
+                                        RaceLimits limits = RaceLimits::kByMeans,
+                                        const LabelOfReplicate& label = {});
 
 }  // namespace glint

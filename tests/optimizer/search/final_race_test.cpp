@@ -155,6 +155,65 @@ TEST_F(FinalRaceTest, EveryReplicateIsAnEventAndATrialOfItsOwn) {
   EXPECT_TRUE(storage.trials(TrialKind::kSearch).empty());
 }
 
+/// All of them by trial or name of the design, without times.
+std::multiset<std::string> kept_in_race(const TemporaryFolder& folder) {
+  const Storage storage = Storage::read(folder / "s.sqlite");
+  const std::vector<Trial> raced = storage.trials(TrialKind::kReplicate);
+  std::multiset<std::string> texts;
+  for (const TrialKind kind : {TrialKind::kSearch, TrialKind::kReplicate}) {
+    for (const Replicate& one : storage.replicates(kind)) {
+      const bool is_of_search = kind == TrialKind::kSearch;
+      const auto index = static_cast<std::size_t>(is_of_search ? 0 : one.number - 1);
+      texts.insert(
+          fmt::format("{} {} {} {} {:a}",
+                      is_of_search ? "trial " + std::to_string(one.number) : raced[index].name,
+                      one.rung,
+                      one.replicate,
+                      one.seed,
+                      one.outcome.scores.at("gain")));
+    }
+  }
+  return texts;
+}
+
+TEST_F(FinalRaceTest, EveryReplicateIsKeptAsAnOutcomeOfItsDesign) {
+  const std::vector<Entrant> entrants = {trial_of(1), trial_of(2), {.key = "half"}};
+  const NoisyBench bench{.truth = {{0, 9.3}, {1, 9.0}, {2, 9.2}}};
+  const auto label = [](const Entrant&, int replicate) {
+    return OutcomeLabel{.rung = "own", .replicate = 9 + replicate, .seed = 100};
+  };
+  NoisyBench whole_bench = bench;
+  {
+    Storage storage = Storage::open(folder_ / "s.sqlite", test::identity());
+    run_final_race(
+        kMaxGain, entrants, storage, std::ref(whole_bench), nullptr, RaceLimits::kByMeans, label);
+  }
+  std::multiset<std::string> expected;
+  for (const Trial& raced : Storage::read(folder_ / "s.sqlite").trials(TrialKind::kReplicate)) {
+    const int before = static_cast<int>(std::ranges::count_if(
+        expected, [&](const std::string& text) { return text.starts_with(raced.name + " "); }));
+    expected.insert(fmt::format(
+        "{} own {} 100 {:a}", raced.name, 9 + before, raced.outcome->scores.at("gain")));
+  }
+  EXPECT_EQ(kept_in_race(folder_), expected);
+  EXPECT_EQ(static_cast<int>(expected.size()), whole_bench.evaluated);
+  // A race of a program that kept none goes on, also without one of those that raced.
+  const TemporaryFolder before;
+  Storage storage = Storage::open(before / "s.sqlite", test::identity());
+  NoisyBench part = bench;
+  run_final_race(kMaxGain, entrants, storage, std::ref(part));
+  EXPECT_TRUE(kept_in_race(before).empty());
+  run_final_race(kMaxGain,
+                 {entrants[0], entrants[2]},
+                 storage,
+                 std::ref(part),
+                 nullptr,
+                 RaceLimits::kByMeans,
+                 label);
+  EXPECT_GE(part.evaluated, whole_bench.evaluated);
+  EXPECT_TRUE(std::ranges::includes(kept_in_race(before), expected));
+}
+
 SearchTask noisy_task(int evaluations) {
   return {.space = test::box(2, 0, 1),
           .settings = {.algorithm = "gp", .is_noisy = true},

@@ -2,6 +2,9 @@
 #include "studies/accuracy/accuracy_record.h"
 
 #include <algorithm>
+#include <charconv>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -10,6 +13,8 @@
 
 namespace glint {
 namespace {
+
+constexpr const char* kTrialName = "trial ";  ///< and its number
 
 std::string key_of(const std::string& rung, const std::string& design) {
   return fmt::format("{} | {}", rung, design);
@@ -96,18 +101,43 @@ void AccuracyRecord::keep(const std::string& rung,
                           const Outcome& outcome) {
   const std::lock_guard lock(mutex_);
   const std::string key = key_of(rung, design);
-  if (!known_.try_emplace(key, outcome).second || storage_ == nullptr) {
+  if (!known_.try_emplace(key, outcome).second) {
     return;
   }
-  storage_->put_trial({.kind = TrialKind::kPart,
-                       .number = ++last_number_,
-                       .name = key,
-                       .point = point,
-                       .outcome = outcome});
+  if (storage_ != nullptr) {
+    storage_->put_trial({.kind = TrialKind::kPart,
+                         .number = ++last_number_,
+                         .name = key,
+                         .point = point,
+                         .outcome = outcome});
+  }
+  hand_on(key, outcome);
+}
+
+void AccuracyRecord::follow(OnTrialOutcome on_outcome) {
+  const std::lock_guard lock(mutex_);
+  on_outcome_ = std::move(on_outcome);
+  for (const auto& [key, outcome] : known_) {
+    hand_on(key, outcome);
+  }
+}
+
+void AccuracyRecord::hand_on(const std::string& key, const Outcome& outcome) const {
+  const std::string before_number = key_of("", kTrialName);
+  const std::size_t at = key.rfind(before_number);
+  if (!on_outcome_ || at == std::string::npos) {
+    return;
+  }
+  const char* end = key.data() + key.size();
+  int trial = 0;
+  const auto [rest, error] = std::from_chars(key.data() + at + before_number.size(), end, trial);
+  if (error == std::errc() && rest == end) {
+    on_outcome_(key.substr(0, at), trial, outcome);
+  }
 }
 
 std::string trial_name(int number) {
-  return fmt::format("trial {}", number);
+  return fmt::format("{}{}", kTrialName, number);
 }
 
 }  // namespace glint

@@ -4,10 +4,12 @@
 // neither in a run nor when it is resumed.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "optimizer/storage/storage.h"
 
@@ -16,6 +18,13 @@ namespace glint {
 /// Of how a rung is chosen from evaluations of the ladder, and when it is raised; a run keeps those
 /// that it was begun by. 1: bounds without the top's own bias, no epochs; kept nothing of itself.
 inline constexpr int kAccuracyRules = 2;
+
+/// After the name of a rung: its scores without the mean errors of an epoch that has ended.
+inline constexpr std::string_view kCorrected = ", corrected";
+
+/// Gets what a trial of the search gave at a rung.
+using OnTrialOutcome =
+    std::function<void(const std::string& rung, int trial, const Outcome& outcome)>;
 
 /// Outcomes by "RUNG | DESIGN", in a database where there is one: a row of kPart for each. Safe to
 /// use from several threads.
@@ -47,13 +56,19 @@ class AccuracyRecord {
             const Point& point,
             const Outcome& outcome);
 
+  /// Hands on what is known of the search's trials, and from now on what is kept of them, at once.
+  void follow(OnTrialOutcome on_outcome);
+
  private:
+  void hand_on(const std::string& key, const Outcome& outcome) const;
+
   /// What begin_search() noted.
   std::optional<Event> begun() const;
 
   Storage* storage_;
   mutable std::mutex mutex_;
   std::map<std::string, Outcome> known_;
+  OnTrialOutcome on_outcome_;
   int last_number_ = 0;
 };
 

@@ -12,6 +12,7 @@
 #include "core/cpu_clock.h"
 #include "core/log.h"
 #include "studies/accuracy/accuracy_report.h"
+#include "studies/accuracy/outcome_labels.h"
 #include "studies/definition/ladder/unmodelled.h"
 #include "studies/imaging/path_lights.h"
 
@@ -23,35 +24,30 @@ bool has_asked(const Storage& search) {
   return std::ranges::find(events, EventKind::kAsk, &Event::kind) != events.end();
 }
 
-Replicate replicate_of(const Study& study, int trial, const std::string& rung, Outcome outcome) {
-  return {.number = trial,
-          .rung = rung,
-          .seed = static_cast<std::uint64_t>(study.scene.paths.seed),
-          .outcome = std::move(outcome)};
+/// As the search's storage has the rung of an accuracy record's outcome. Empty: those scores are
+/// not as a search takes them, with half resolution's mean errors still in them.
+std::string searched_rung(const std::vector<RenderRung>& ladder, const std::string& recorded) {
+  if (recorded.ends_with(kCorrected)) {
+    return recorded.substr(0, recorded.size() - kCorrected.size());
+  }
+  const auto found = std::ranges::find(ladder, recorded, &RenderRung::name);
+  return found != ladder.end() && found->pixel_factor == 1 ? recorded : std::string();
 }
 
-/// Of the search's trials as its rung gave them.
-std::vector<Replicate> replicates_of(const Study& study,
-                                     std::span<const Trial> trials,
-                                     const std::string& rung) {
-  std::vector<Replicate> replicates;
-  for (const Trial& trial : trials) {
-    if (trial.outcome) {
-      replicates.push_back(replicate_of(study, trial.number, rung, *trial.outcome));
+/// Keeps checks, finalists at the top and withdrawn outcomes in the search's storage as they are
+/// made, and those of an earlier run that are missing there: it was killed between the two
+/// databases, or was that of a program that did not.
+void keep_in_search(const Study& study,
+                    const ChosenAccuracy& chosen,
+                    Storage& storage,
+                    AccuracyRecord& record) {
+  record.follow([&study, &storage, ladder = chosen.ladder](
+                    const std::string& recorded, int trial, const Outcome& outcome) {
+    if (const std::string rung = searched_rung(ladder, recorded); !rung.empty()) {
+      storage.record_missing(std::vector<Replicate>{
+          labelled(searched_label(study, rung), TrialKind::kSearch, trial, outcome)});
     }
-  }
-  return replicates;
-}
-
-/// Of those that were checked, as the dearer rungs gave them.
-std::vector<Replicate> replicates_of(const Study& study, const AccuracyCheck& check) {
-  std::vector<Replicate> replicates;
-  for (const auto* designs : {&check.during, &check.designs}) {
-    for (const CheckedDesign& design : *designs) {
-      replicates.push_back(replicate_of(study, design.trial, design.rung, design.dearer));
-    }
-  }
-  return replicates;
+  });
 }
 
 }  // namespace
@@ -67,17 +63,14 @@ SearchResult search_accurately(const AccuracyTask& task,
     record.check_rules(has_asked(storage));
     found.chosen = choose_accuracy(task, record);
     record.begin_search(found.chosen->rung().name);
+    keep_in_search(task.study, *found.chosen, storage, record);
     SearchReview review(task, record, *found.chosen);
     review.resume(storage);
     found.cpu_s = process_cpu_s() - start;
     log(LogLevel::kInfo, "the search is rendered by: {}", found.chosen->rung().name);
     result = search(*found.chosen, [&](std::span<const Trial> told) {
       const double review_start = process_cpu_s();
-      const std::string rung = found.chosen->rung().name;
       std::optional<Event> event = review.review(told);
-      if (event) {
-        storage.record(replicates_of(task.study, told, rung));
-      }
       found.cpu_s += process_cpu_s() - review_start;
       return event;
     });
@@ -87,8 +80,6 @@ SearchResult search_accurately(const AccuracyTask& task,
     const double search_end = process_cpu_s();
     const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
     found.check = check_search(task, record, *found.chosen, trials, review);
-    storage.record(replicates_of(task.study, trials, found.chosen->rung().name));
-    storage.record(replicates_of(task.study, *found.check));
     found.cpu_s += process_cpu_s() - search_end;
     if (adopt_winner(task.study, *found.check, trials, result)) {
       log(LogLevel::kInfo, "trial {} is the best of the finalists", result.best->number);

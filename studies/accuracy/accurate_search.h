@@ -23,9 +23,10 @@ struct AccurateSearch {
   double cpu_s = 0.0;                    ///< of choosing and checking, all threads
 };
 
-/// @param storage  of the search; gets the outcomes of each rung that its trials were rendered by,
-///                 withdrawn and checked ones too
-/// @param search   searches at the rung of what was chosen, which a review may raise
+/// @param storage  of the search; gets the outcomes of checks and finalists at dearer rungs, each
+///                 when it is made
+/// @param search   searches at the rung of what was chosen, which a review may raise, and labels
+///                 outcomes with it (SearchTask::label)
 /// @param found    what is there when it was interrupted, too
 /// @return what the search gave, with the best of the finalists at the top rung
 /// @throws ConfigError, IoError

@@ -213,7 +213,7 @@ std::optional<Event> SearchReview::raise(std::span<const Trial> told) {
   const std::string old = chosen_.rung().name;
   // Their outcomes are withdrawn from the search; those that were corrected by the trial of this
   // epoch are no others' business.
-  const std::string kept_as = chosen_.rung().offsets.empty() ? old : old + ", corrected";
+  const std::string kept_as = chosen_.rung().offsets.empty() ? old : old + std::string(kCorrected);
   for (const Trial& one : told) {
     record_.keep(kept_as, trial_name(one.number), one.point, *one.outcome);
   }

@@ -2,6 +2,7 @@
 #include "studies/run/design_files.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <iterator>
 
@@ -11,6 +12,7 @@
 #include "core/cpu_clock.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
+#include "core/wall_clock.h"
 #include "defects/part/defect_metadata.h"
 #include "studies/definition/render_methods.h"
 #include "studies/definition/scene_notes.h"
@@ -152,12 +154,18 @@ Json rescored_json(SceneStore& store,
     watch->on_rescoring();
   }
   const double start = process_cpu_s();
-  Json json = scores_json(
-      evaluate(store, rescoring_settings(scene), {}, wanted.with_whole_scan(kFreshParts)).scores);
+  const auto begin = std::chrono::steady_clock::now();
+  Outcome outcome;
+  outcome.scores =
+      evaluate(store, rescoring_settings(scene), {}, wanted.with_whole_scan(kFreshParts)).scores;
+  outcome.seconds = seconds_since(begin);
   if (watch != nullptr) {
     watch->rescoring_cpu_s += process_cpu_s() - start;
   }
-  return json;
+  if (watch != nullptr && watch->on_rescored) {
+    watch->on_rescored(outcome);
+  }
+  return scores_json(outcome.scores);
 }
 
 void add_defect_notes(const TracedScene& traced,

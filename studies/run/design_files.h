@@ -27,6 +27,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "optimizer/problem/trial.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/imaging/path_warnings.h"
 
@@ -36,7 +37,8 @@ namespace glint {
 struct DesignWatch {
   std::function<void(int frames)> on_frame = {};  ///< after each frame, with how many there are
   std::function<void()> on_rescoring = {};        ///< before it is scored again
-  double rescoring_cpu_s = 0.0;                   ///< grows by what that takes
+  std::function<void(const Outcome& outcome)> on_rescored = {};  ///< with what that gave
+  double rescoring_cpu_s = 0.0;                                  ///< grows by what that takes
 };
 
 /// Renders and scores a design, re-scores it with fresh seeds and finer sampling, and writes its

@@ -16,6 +16,7 @@
 #include "core/text.h"
 #include "core/wall_clock.h"
 #include "studies/accuracy/accurate_search.h"
+#include "studies/accuracy/outcome_labels.h"
 #include "studies/definition/study_text.h"
 #include "studies/front/front_files.h"
 #include "studies/front/front_run.h"
@@ -59,6 +60,7 @@ class Run {
     check_accuracy_choice(study_, !options_.from.empty());
     OutputFolder folder(options_.out);
     Storage storage = open_storage();
+    fresh_.emplace(storage);
     write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     remove_unfinished_files(options_.out);
     configure_run_log();
@@ -150,6 +152,9 @@ class Run {
     SearchTask task = search_task(study_, options_.jobs);
     task.verify_replay = options_.verify_replay;
     task.review = review;
+    task.label = [&](const Point& /*point*/) {
+      return searched_label(study_, chosen != nullptr ? chosen->rung().name : kOwnRung);
+    };
     const std::map<Point, Outcome> taken = begin_with_taken(options_.out, task);
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
       const auto& known = chosen != nullptr ? chosen->known : taken;  // nothing is taken beside it
@@ -213,6 +218,10 @@ class Run {
     log(LogLevel::kInfo, "writing {}", key);
     Json json;
     DesignWatch watch = watch_of(key, scene);
+    const int trial = head.value("trial", 0);
+    watch.on_rescored = [&](const Outcome& outcome) {
+      fresh_->keep(rescored_label(scene), trial, outcome);
+    };
     try {
       json = write_design(
           store_, scene, head, options_.out / key, true, wanted_by(study_.goal), &watch);
@@ -227,8 +236,11 @@ class Run {
     judge_limits(study_.goal, race_, key, json);
     if (!is_interrupted_ && is_repeated) {
       const double start = process_cpu_s();
+      const auto keep = [&](int index, const Outcome& outcome) {
+        fresh_->keep(repeated_label(scene, index), trial, outcome);
+      };
       json["repeated"] = repeated_scores(
-          store_, first_view(store_, scene), wanted_of_repeats(study_), study_.goal);
+          store_, first_view(store_, scene), wanted_of_repeats(study_), study_.goal, keep);
       rescoring_cpu_s_ += process_cpu_s() - start;
     }
     write_file(options_.out / key / "scores.json", json.dump(2) + "\n");
@@ -290,18 +302,6 @@ class Run {
     manufacture_cpu_s_ = process_cpu_s() - start;
   }
 
-  /// The race that chose the winner, and what its score truly is.
-  void add_noise(const SearchResult& search, const Json& winner, Json& result) {
-    if (Json told = told_winner(study_, search, winner); !told.is_null()) {
-      result["best"]["told"] = std::move(told);
-    }
-    if (!race_.is_null()) {
-      result["probability_best"] = race_["probability_best"];
-      race_.erase("probability_best");
-      result["race"] = race_;
-    }
-  }
-
   /// @return its scores with fresh seeds
   Json add_winner(const Storage& storage, const SearchResult& search, Json& result) {
     const Json variables = variables_json(study_, search.best->point);
@@ -318,11 +318,11 @@ class Run {
       add_front(storage, winner, result);
     }
     add_manufacture(storage, search.best->point, result);
-    add_noise(search, winner, result);
+    add_race_to_result(study_, search, winner, race_, result);
     if (is_interrupted_) {
       return winner["rescored"];
     }
-    if (Json kinds = kinds_of_search(store_, study_, storage, search); !kinds.is_null()) {
+    if (Json kinds = kinds_of_search(store_, study_, storage, search, &*fresh_); !kinds.is_null()) {
       result["kinds"] = std::move(kinds);
     }
     return winner["rescored"];
@@ -425,6 +425,7 @@ class Run {
   Clock::time_point start_ = Clock::now();
   std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
   AccurateSearch accurate_;
+  std::optional<FreshOutcomes> fresh_;  ///< of its database
   double search_cpu_s_ = 0.0;
   double finish_cpu_s_ = 0.0;  ///< all that follows the search, a race of its finalists first
   double rescoring_cpu_s_ = 0.0;

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@
 #include "metrics/statistics/told_value.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/search/final_race.h"
+#include "studies/accuracy/outcome_labels.h"
 #include "studies/front/front_designs.h"
 #include "studies/report/report_wording.h"
 #include "studies/run/repeated_scores.h"
@@ -38,6 +40,11 @@ struct NamedEntrant {
   std::string title;
   SceneSettings scene;
 };
+
+/// The first repeated scans are the winner's own, which it must not be chosen by.
+int scan_of_replicate(int replicate) {
+  return kRepeatedScans + replicate;
+}
 
 int num_finalists(const Study& study, int evaluations) {
   return study.budget.race.value_or(study.search.is_noisy ? race_size(evaluations) : 0);
@@ -326,13 +333,15 @@ Json race_finalists(SceneStore& store,
   const auto evaluate = [&](const Entrant& entrant, int replicate) {
     const auto index = static_cast<std::size_t>(
         std::ranges::find(entrants, entrant.key, &Entrant::key) - entrants.begin());
-    // The first repeated scans are the winner's own, which it must not be chosen by.
     return repeated_scan(
-        store, first_view(store, named[index].scene), wanted, kRepeatedScans + replicate);
+        store, first_view(store, named[index].scene), wanted, scan_of_replicate(replicate));
+  };
+  const auto label = [&](const Entrant& /*entrant*/, int replicate) {
+    return repeated_label(study.scene, scan_of_replicate(replicate));
   };
   const RaceLimits limits = search.rules > 7 ? RaceLimits::kByChance : RaceLimits::kByMeans;
   const std::optional<FinalRace> race =
-      run_final_race(study.goal, entrants, storage, evaluate, interrupt, limits);
+      run_final_race(study.goal, entrants, storage, evaluate, interrupt, limits, label);
   if (!race) {
     return nullptr;
   }
@@ -405,6 +414,18 @@ Json told_winner(const Study& study, const SearchResult& search, const Json& win
   told["low"] = value.low;
   told["high"] = value.high;
   return told;
+}
+
+void add_race_to_result(
+    const Study& study, const SearchResult& search, const Json& winner, Json& race, Json& result) {
+  if (Json told = told_winner(study, search, winner); !told.is_null()) {
+    result["best"]["told"] = std::move(told);
+  }
+  if (!race.is_null()) {
+    result["probability_best"] = race["probability_best"];
+    race.erase("probability_best");
+    result["race"] = race;
+  }
 }
 
 Json noise_panel(const std::string& score, const Json& race, const Json& told) {

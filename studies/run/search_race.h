@@ -24,7 +24,9 @@ bool has_race(const Study& study, const SearchResult& search);
 int likely_replicates(const Study& study, int evaluations);
 
 /// Races the finalists of a search, its prototypes, and its baseline where it is no finalist. The
-/// best finalist becomes the search's best; by search rules 8 its replicates judge the limits.
+/// best finalist becomes the search's best; by search rules 8 its replicates judge the limits. Each
+/// replicate is kept as its event, as a trial of its own and as an outcome of the finalist
+/// (repeated_label(), after the winner's repeated scans).
 ///
 /// @return { finalists, replicates: of a design at most, evaluations, searched: the search's own
 ///         best trial, entrants: [ { key: "winner" | "trial_017" | "baseline" | a prototype's name,
@@ -65,6 +67,16 @@ void judge_limits(const Goal& goal,
 nlohmann::ordered_json told_winner(const Study& study,
                                    const SearchResult& search,
                                    const nlohmann::ordered_json& winner);
+
+/// Adds what race and repeated scans came to: best.told, probability_best and race.
+/// @param winner  its scores.json
+/// @param race    race_finalists(), of which probability_best is taken; null: there was none
+/// @param result  the object of result.json, with best
+void add_race_to_result(const Study& study,
+                        const SearchResult& search,
+                        const nlohmann::ordered_json& winner,
+                        nlohmann::ordered_json& race,
+                        nlohmann::ordered_json& result);
 
 /// A section of the report. @param score  the objective; @param race, told  may be null
 nlohmann::ordered_json noise_panel(const std::string& score,

@@ -17,11 +17,11 @@
 #include "optimizer/front/choice_cost.h"
 #include "optimizer/search/trade_off.h"
 #include "studies/accuracy/chosen_accuracy.h"
-#include "studies/definition/render_methods.h"
 #include "studies/evaluation/exact_lighting.h"
 #include "studies/front/front_designs.h"
 #include "studies/imaging/searched/searched_scene.h"
 #include "studies/run/design_files.h"
+#include "studies/run/repeated_scores.h"
 #include "studies/run/search_race.h"
 
 namespace glint {
@@ -108,6 +108,7 @@ struct Judged {
   const Expectations& expected;
   int winner = 0;
   const LimitExpectations& limits;
+  FreshOutcomes* fresh = nullptr;  ///< gets what is rescored
 };
 
 /// The best of some trials; of several objectives the compromise of their front.
@@ -147,18 +148,6 @@ std::vector<Trial> trials_with(const Study& study,
   return of_kind;
 }
 
-/// Empty where the goal cannot be judged with what came out.
-std::optional<Scores> rescored(SceneStore& store, const Study& study, const Point& point) {
-  const SceneSettings scene = scene_with(study, overrides_of(study, point));
-  const WantedScores wanted = wanted_by(study.goal).with_whole_scan(kFreshParts);
-  try {
-    Scores scores = evaluate(store, rescoring_settings(scene), {}, wanted).scores;
-    return problem_with(study.goal, scores).empty() ? std::optional(scores) : std::nullopt;
-  } catch (const ConfigError&) {
-    return std::nullopt;  // what a finer part or other noise makes impossible
-  }
-}
-
 struct KindFinalist {
   std::string kind;
   Trial trial;
@@ -179,7 +168,7 @@ std::optional<KindFinalist> finalist_of(SceneStore& store,
   }
   const Trial* best = best_of(study, of_kind, finalist.front, judged);
   std::optional<Scores> fresh =
-      best != nullptr ? rescored(store, study, best->point) : std::optional<Scores>();
+      best != nullptr ? rescored_trial(store, study, *best, judged.fresh) : std::optional<Scores>();
   if (!fresh) {
     return std::nullopt;
   }
@@ -398,7 +387,8 @@ Json best_of_each_kind(SceneStore& store,
                        const std::vector<double>& reference,
                        const Expectations& expected,
                        int winner,
-                       const LimitExpectations& limits) {
+                       const LimitExpectations& limits,
+                       FreshOutcomes* fresh) {
   const std::vector<Variable>& variables = study.space.variables;
   const auto found = std::ranges::find(variables, "lighting_use", &Variable::name);
   if (found == variables.end()) {
@@ -410,7 +400,7 @@ Json best_of_each_kind(SceneStore& store,
                      trials,
                      static_cast<std::size_t>(found - variables.begin()),
                      reference,
-                     {.expected = expected, .winner = winner, .limits = limits});
+                     {.expected = expected, .winner = winner, .limits = limits, .fresh = fresh});
   sort_kinds(study.goal, finalists);
   Json kinds = Json::array();
   std::ranges::transform(finalists, std::back_inserter(kinds), [&](const KindFinalist& finalist) {
@@ -422,7 +412,8 @@ Json best_of_each_kind(SceneStore& store,
 Json kinds_of_search(SceneStore& store,
                      const Study& study,
                      const Storage& storage,
-                     const SearchResult& search) {
+                     const SearchResult& search,
+                     FreshOutcomes* fresh) {
   return best_of_each_kind(store,
                            study,
                            storage.trials(TrialKind::kSearch),
@@ -431,7 +422,8 @@ Json kinds_of_search(SceneStore& store,
                            : study.search.is_noisy            ? search.expected
                                                               : Expectations{},
                            search.best->number,
-                           search.limits);
+                           search.limits,
+                           fresh);
 }
 
 }  // namespace glint

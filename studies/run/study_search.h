@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "optimizer/search/search.h"
+#include "studies/accuracy/outcome_labels.h"
 #include "studies/definition/ladder/render_ladder.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
@@ -74,6 +75,7 @@ nlohmann::ordered_json front_json(const Study& study,
 ///           front are of this kind } ], the best of the rescored first, of several objectives
 ///           what the goal's choice takes of them, then of the rest; a kind of which no evaluation
 ///           succeeded, or which cannot be rescored, is left out. null without such a variable
+/// @param fresh  gets what they gave; nullptr: it is not kept
 /// @throws IoError
 nlohmann::ordered_json best_of_each_kind(SceneStore& store,
                                          const Study& study,
@@ -81,12 +83,15 @@ nlohmann::ordered_json best_of_each_kind(SceneStore& store,
                                          const std::vector<double>& reference = {},
                                          const Expectations& expected = {},
                                          int winner = 0,
-                                         const LimitExpectations& limits = {});
+                                         const LimitExpectations& limits = {},
+                                         FreshOutcomes* fresh = nullptr);
 
-/// best_of_each_kind() of a search that has ended. @param search  with a best trial
+/// best_of_each_kind() of a search that has ended.
+/// @param search  with a best trial
 nlohmann::ordered_json kinds_of_search(SceneStore& store,
                                        const Study& study,
                                        const Storage& storage,
-                                       const SearchResult& search);
+                                       const SearchResult& search,
+                                       FreshOutcomes* fresh = nullptr);
 
 }  // namespace glint

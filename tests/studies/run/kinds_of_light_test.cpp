@@ -2,7 +2,9 @@
 //
 // The finalists of a search among kinds of light: a rough plate under a ring, a bar, or both.
 #include <algorithm>
+#include <map>
 #include <set>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +13,7 @@
 #include "core/file.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/storage/storage.h"
+#include "studies/accuracy/outcome_labels.h"
 #include "studies/definition/render_methods.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/run/run.h"
@@ -53,8 +56,16 @@ TEST(BestOfEachKind, AreTheBestTrialsRescoredInTheSameWay) {
   ASSERT_EQ(kinds.size(), 3U);
   ThreadPool pool(2);
   SceneStore store(pool);
+  std::map<int, Replicate> kept;
+  for (Replicate& one : Storage::read(folder / "out/study.sqlite").replicates(TrialKind::kSearch)) {
+    if (one.rung == kRescoredRung) {
+      kept[one.number] = std::move(one);
+    }
+  }
   std::set<std::string> names;
   for (const Json& kind : kinds) {
+    EXPECT_EQ(kept.at(kind.at("trial").get<int>()).outcome.scores.at("defects.min_weber"),
+              kind.at("rescored").at("defects.min_weber").get<double>());
     names.insert(kind.at("lighting_use").get<std::string>());
     EXPECT_EQ(kind.at("variables").at("lighting_use"), kind.at("lighting_use"));
     EXPECT_LE(kind.at("scores").at("homogeneity.mean").get<double>(), 0.9);

@@ -4,6 +4,7 @@
 #include "studies/run/search_race.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <set>
 #include <string>
 
@@ -52,6 +53,42 @@ Json run_noisy(const TemporaryFolder& folder,
                     .interrupt = interrupt});
 }
 
+/// Each evaluation of a run, without [accuracy], has one place: the search's, the race's, and the
+/// winner's once more.
+void expect_outcomes_kept(const Storage& storage, const Json& result) {
+  const int best = result.at("best").at("trial");
+  const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+  int searched = 0;
+  int repeated = 0;
+  int rescored = 0;
+  std::size_t raced = storage.replicates(TrialKind::kReplicate).size();
+  for (const Replicate& one : storage.replicates(TrialKind::kSearch)) {
+    const bool is_own = one.rung == "[render]";
+    const Scores& scores = one.outcome.scores;
+    if (is_own && one.replicate == 0) {
+      ++searched;
+      EXPECT_EQ(one.seed, 1U);
+      const Trial& trial = trials[static_cast<std::size_t>(one.number) - 1];
+      EXPECT_EQ(scores.at("defects.min_weber"), trial.outcome->scores.at("defects.min_weber"));
+    } else if (is_own) {
+      EXPECT_EQ(one.seed, 2000004U + 1000U * static_cast<unsigned>(one.replicate - 1));
+      repeated += one.replicate <= 8 ? 1 : 0;
+      raced += one.replicate <= 8 ? 0 : 1;
+    } else {
+      ++rescored;
+      EXPECT_EQ(one.rung, "[render], re-scored");
+      EXPECT_EQ(one.seed, 1000004U);
+      EXPECT_EQ(scores.at("defects.min_weber"),
+                result["rescored"]["best"]["defects.min_weber"].get<double>());
+    }
+    EXPECT_TRUE(one.replicate == 0 || one.replicate > 8 || one.number == best);
+  }
+  EXPECT_EQ(result.at("evaluations"), searched);
+  EXPECT_EQ(repeated, 8);
+  EXPECT_EQ(rescored, 1);
+  EXPECT_EQ(result.at("race").at("evaluations"), raced);
+}
+
 /// The limit is of a score that noise does not move and that no scan of a winner repeats.
 TEST(SearchRace, ChoosesTheWinnerOfANoisySearch) {
   const TemporaryFolder folder;
@@ -84,6 +121,7 @@ TEST(SearchRace, ChoosesTheWinnerOfANoisySearch) {
               HasSubstr("By its replicates it keeps the constraint with a probability of 100 %."));
   const Storage storage = Storage::read(folder / "out/study.sqlite");
   EXPECT_EQ(race.at("evaluations"), storage.trials(TrialKind::kReplicate).size());
+  expect_outcomes_kept(storage, result);
   ASSERT_EQ(result.at("probability_best").size(), race.at("entrants").size());
   const Json& told = result.at("best").at("told");
   EXPECT_LT(told.at("low"), told.at("value"));

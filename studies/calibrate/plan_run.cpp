@@ -165,9 +165,9 @@ PosePlan planned(const Rig& rig, const PlanSettings& settings, const PosePlanOpt
                       .far_mm = settings.far_mm,
                       .sharp_near_mm = rig.sharp_near_mm,
                       .sharp_far_mm = rig.sharp_far_mm,
-                      .tilt_min_rad = settings.tilt_min_deg * kRadPerDeg,
-                      .tilt_max_rad = settings.tilt_max_deg * kRadPerDeg,
-                      .roll_rad = settings.roll_deg * kRadPerDeg,
+                      .tilt_min_rad = settings.tilt_min_rad,
+                      .tilt_max_rad = settings.tilt_max_rad,
+                      .roll_rad = settings.roll_rad,
                       .margin_px = settings.margin_px,
                       .seed = static_cast<std::uint64_t>(settings.seed)};
   // The outer squares, too, are to be seen.
@@ -289,12 +289,12 @@ void visit_keys(KeyVisitor& keys, PlanSettings& settings) {
               "in focus from here; 0: by the board's size");
   keys.number(
       "far_mm", settings.far_mm, Range::at_least(0.0), "in focus to here; 0: by the board's size");
-  keys.number("tilt_min_deg", settings.tilt_min_deg, Range::between(0.0, 60.0), "least tilt");
-  keys.number("tilt_max_deg", settings.tilt_max_deg, Range::between(0.0, 60.0), "largest tilt");
-  keys.number("roll_deg", settings.roll_deg, Range::between(0.0, 180.0), "roll to both sides");
+  keys.number("tilt_min_deg", settings.tilt_min_rad, Range::between(0.0, 60.0), "least tilt");
+  keys.number("tilt_max_deg", settings.tilt_max_rad, Range::between(0.0, 60.0), "largest tilt");
+  keys.number("roll_deg", settings.roll_rad, Range::between(0.0, 180.0), "roll to both sides");
   keys.number("margin_px", settings.margin_px, Range::at_least(0.0), "from the picture's border");
   keys.integer("seed", settings.seed, Range::at_least(0), "of the random poses");
-  keys.require(settings.tilt_min_deg <= settings.tilt_max_deg,
+  keys.require(settings.tilt_min_rad <= settings.tilt_max_rad,
                "tilt_min_deg",
                "must not be above tilt_max_deg");
   keys.require(settings.far_mm == 0.0 || settings.near_mm < settings.far_mm,

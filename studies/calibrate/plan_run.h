@@ -10,6 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/config/keys.h"
+#include "core/units.h"
 #include "studies/definition/study.h"
 
 namespace glint {
@@ -21,9 +22,9 @@ struct PlanSettings {
   PlanMethod method = PlanMethod::kInformation;
   double near_mm = 0.0;  ///< in focus from here
   double far_mm = 0.0;   ///< to here
-  double tilt_min_deg = 20.0;
-  double tilt_max_deg = 30.0;
-  double roll_deg = 40.0;
+  double tilt_min_rad = 20.0 * kRadPerDeg;
+  double tilt_max_rad = 30.0 * kRadPerDeg;
+  double roll_rad = 40.0 * kRadPerDeg;
   double margin_px = 10.0;
   int seed = 1;
 };

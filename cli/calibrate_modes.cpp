@@ -81,7 +81,7 @@ std::string sensor_text(const Json& result) {
                             result["folder"].get<std::string>());
 }
 
-std::string plan_text(const Json& plan) {
+std::string pose_plan_text(const Json& plan) {
   const Json& promised = plan["promised"];
   return note_lines(plan["notes"]) +
          fmt::format(
@@ -155,7 +155,7 @@ int plan_command(const CalibrateArguments& arguments, const CommonArguments& com
                                 .camera = arguments.camera,
                                 .out = arguments.out,
                                 .sets = key_values(arguments.sets)});
-  print_result(common, plan, plan_text(plan));
+  print_result(common, plan, pose_plan_text(plan));
   return kExitDone;
 }
 

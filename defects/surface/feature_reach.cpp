@@ -71,7 +71,7 @@ struct Extent {
   double along_mm;
 };
 
-BoundingBox box_of(const HeightFeature& feature) {
+BoundingBox feature_box(const HeightFeature& feature) {
   const Extent extent(feature);
   const Vector3d half = extent.along_mm * feature.u_axis.cwiseAbs() +
                         extent.across_mm * feature.v_axis.cwiseAbs() +
@@ -148,7 +148,7 @@ SurfaceTriangle surface_triangle(const TriangleMesh& mesh, std::int32_t face) {
 
 FeatureReach::FeatureReach(std::span<const HeightFeature> features) : features_(features) {
   for (const HeightFeature& feature : features) {
-    boxes_.push_back(box_of(feature));
+    boxes_.push_back(feature_box(feature));
     box_.min_mm = box_.min_mm.cwiseMin(boxes_.back().min_mm);
     box_.max_mm = box_.max_mm.cwiseMax(boxes_.back().max_mm);
   }

@@ -18,7 +18,7 @@ void set_digital_outputs(const std::string& host,
                          const MotionPermit&,
                          double timeout_s) {
   constexpr const char* kBits = "actual_digital_output_bits";
-  constexpr double kReadS = 0.05;
+  constexpr double kReplyS = 0.05;
   TcpLink link(host, rtde_port, timeout_s);
   RtdeClient client({.outputs = {kBits},
                      .newer = {},
@@ -38,7 +38,7 @@ void set_digital_outputs(const std::string& host,
     if (const std::string output = client.take_output(); !output.empty()) {
       link.write(output, timeout_s);
     }
-    client.feed(link.read(kReadS), [&] {
+    client.feed(link.read(kReplyS), [&] {
       is_set = is_sent && (client.get<std::uint64_t>(kBits) & mask) == (values & mask);
     });
   }

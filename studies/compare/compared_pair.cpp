@@ -83,7 +83,7 @@ PairGeometry geometry_of(const ComparedPicture& simulated,
   return geometry;
 }
 
-Mask eroded(const Mask& mask, int radius) {
+Mask shrunk(const Mask& mask, int radius) {
   Mask outside = mask;
   for (unsigned char& pixel : outside.values()) {
     pixel = pixel == 0 ? 1 : 0;
@@ -288,7 +288,7 @@ std::string sentence_of(const BetterTurn& turn) {
 
 SurfaceTexture texture_in(const ImageF& picture, const Mask& region, int window_px) {
   return texture_of(
-      picture, region.empty() ? region : eroded(region, kMarginPx), {.window_px = window_px});
+      picture, region.empty() ? region : shrunk(region, kMarginPx), {.window_px = window_px});
 }
 
 ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {

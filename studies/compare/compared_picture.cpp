@@ -57,14 +57,14 @@ double block_variance(const ImageF& grey, int block_px) {
 
 bool is_dark_noise(const ImageF& grey) {
   constexpr double kDark = 0.05;
-  constexpr int kBlockPx = 16;
+  constexpr int kNoiseBlockPx = 16;
   const double mean = std::accumulate(grey.values().begin(), grey.values().end(), 0.0) /
                       static_cast<double>(std::max<std::size_t>(grey.size(), 1));
-  if (mean >= kDark || std::min(grey.width(), grey.height()) < 4 * kBlockPx) {
+  if (mean >= kDark || std::min(grey.width(), grey.height()) < 4 * kNoiseBlockPx) {
     return false;
   }
-  const double blocks = block_variance(grey, kBlockPx) * kBlockPx * kBlockPx;
-  const double count = static_cast<double>(grey.size()) / (kBlockPx * kBlockPx);
+  const double blocks = block_variance(grey, kNoiseBlockPx) * kNoiseBlockPx * kNoiseBlockPx;
+  const double count = static_cast<double>(grey.size()) / (kNoiseBlockPx * kNoiseBlockPx);
   return blocks < noise_variance(grey) * (1.0 + 4.0 * std::sqrt(2.0 / count));
 }
 

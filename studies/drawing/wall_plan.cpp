@@ -49,9 +49,9 @@ void reach_slot(std::vector<Vector2d>& panel, double half_slot_mm) {
 
 /// Whether both walls run from and to mirrored points, as those of every tunnel do.
 bool is_mirror_image(const std::vector<Arc>& left, const std::vector<Arc>& right) {
-  constexpr double kSame_mm = 1e-6;
-  return (mirrored(left.front()).from_mm - right.front().from_mm).norm() < kSame_mm &&
-         std::abs(mirrored(left.back()).to_mm.x() - right.back().to_mm.x()) < kSame_mm;
+  constexpr double kMirrored_mm = 1e-6;
+  return (mirrored(left.front()).from_mm - right.front().from_mm).norm() < kMirrored_mm &&
+         std::abs(mirrored(left.back()).to_mm.x() - right.back().to_mm.x()) < kMirrored_mm;
 }
 
 }  // namespace

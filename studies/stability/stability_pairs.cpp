@@ -69,9 +69,9 @@ std::vector<CellError> errors_of_switch(const Outcome& outcome,
                                         const Bounds& bounds) {
   const double h = outcome.evaluation.scores.at(kH);
   const double other_h = other.evaluation.scores.at(kH);
-  const char* const kMean = "homogeneity.mean";
-  const double mean = outcome.evaluation.scores.at(kMean);
-  const double other_mean = other.evaluation.scores.at(kMean);
+  const char* const kMeanGrey = "homogeneity.mean";
+  const double mean = outcome.evaluation.scores.at(kMeanGrey);
+  const double other_mean = other.evaluation.scores.at(kMeanGrey);
   std::vector<CellError> errors = worst_change(outcome, other, bounds);
   errors.push_back({.quantity = "h_points",
                     .error = 100.0 * std::abs(h - other_h),

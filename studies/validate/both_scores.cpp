@@ -84,7 +84,7 @@ void add_compared(SceneStore& store, const GreyView& view, GreySums& sums) {
 }
 
 /// A camera that shows nothing is not infinitely far off.
-constexpr double kMinExposure = 1e-6;
+constexpr double kMinFoundExposure = 1e-6;
 
 }  // namespace
 
@@ -124,7 +124,7 @@ GreyFit fit_exposure(SceneStore& store, const GreyDesign& design) {
   const SensorSettings& sensor = design.views.front().scene.sensor;
   fit.is_known = true;
   fit.faults = {GreyFault::kExposure};
-  fit.change.exposure = std::max(sums.real / sums.simulated, kMinExposure);
+  fit.change.exposure = std::max(sums.real / sums.simulated, kMinFoundExposure);
   fit.values = {
       {.fault = GreyFault::kExposure, .value = fit.change.exposure, .sigma = exposure_sigma(sums)}};
   fit.before = std::abs(1.0 - 1.0 / fit.change.exposure);

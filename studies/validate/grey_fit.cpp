@@ -30,7 +30,6 @@ using validate_detail::GreyState;
 using validate_detail::GreySystem;
 using validate_detail::GreyTerm;
 using validate_detail::linear_score;
-using validate_detail::mean_of;
 using validate_detail::rendered_score;
 using validate_detail::score_of;
 using validate_detail::step_of;
@@ -104,7 +103,7 @@ class GreyFitter {
   }
 
   double even_share(const GreyState& state, std::size_t design) {
-    return model().even_rms(mean_of(left_at(state)), design);
+    return model().even_rms(validate_detail::mean_of(left_at(state)), design);
   }
 
   double max_even_share(const GreyState& state) {

@@ -48,7 +48,7 @@ Scores scores_of(SceneStore& store, const SceneSettings& scene, const Goal& goal
   }
 }
 
-Score score_of(const Scores& scores, const Goal& goal, const Objective& objective) {
+Score objective_score(const Scores& scores, const Goal& goal, const Objective& objective) {
   const auto found = scores.find(objective.name);
   if (found == scores.end()) {
     return {};
@@ -101,8 +101,8 @@ struct RescoredDesign {
 
 void look_at(const Objective& objective, const Goal& goal, std::vector<RescoredDesign>& designs) {
   for (RescoredDesign& design : designs) {
-    design.before = score_of(design.scores_before, goal, objective);
-    design.after = score_of(design.scores_after, goal, objective);
+    design.before = objective_score(design.scores_before, goal, objective);
+    design.after = objective_score(design.scores_after, goal, objective);
   }
 }
 
@@ -118,7 +118,7 @@ std::vector<Trial> ranked_trials(const std::filesystem::path& database, const Go
     return !trial.outcome || trial.outcome->is_failed || !trial.outcome->scores.contains(name);
   });
   const auto score = [&goal](const Trial& trial) {
-    return score_of(trial.outcome->scores, goal, goal.objective);
+    return objective_score(trial.outcome->scores, goal, goal.objective);
   };
   std::ranges::stable_sort(trials, [&](const Trial& one, const Trial& other) {
     return is_better(score(one), score(other), goal.objective.is_maximised);

@@ -11,7 +11,7 @@
 namespace glint {
 namespace {
 
-constexpr double kStopRadS2 = 20.0;  ///< of stops by safety
+constexpr double kSafetyStopRadS2 = 20.0;  ///< of stops by safety
 constexpr std::size_t kMaxMessages = 100;
 
 constexpr double kMmPerM = 1000.0;
@@ -176,7 +176,7 @@ void TwinController::end_program() {
   if (program_) {
     program_.reset();
     is_held_ = false;
-    motion_.start_stop(kStopRadS2);
+    motion_.start_stop(kSafetyStopRadS2);
   }
 }
 
@@ -209,7 +209,7 @@ void TwinController::stop_by_safety(SafetyMode mode) {
     program_.reset();
   }
   is_held_ = false;
-  motion_.start_stop(kStopRadS2);
+  motion_.start_stop(kSafetyStopRadS2);
   tell(PrimaryMessage::Kind::kErrorCode, std::string(name_of(mode)));
   if (is_emergency_stop(mode)) {
     constexpr double kPowerOffS = 0.5;

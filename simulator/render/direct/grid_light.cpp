@@ -17,7 +17,7 @@ constexpr double kAllowedTurn = 0.005;
 /// The same of a point, in distances from the camera times what normals may be off by.
 constexpr double kAllowedMove = 0.1;
 
-Vector3d vector_at(const VectorLanes& lanes, std::size_t ray) {
+Vector3d vector_of_ray(const VectorLanes& lanes, std::size_t ray) {
   const std::size_t lane = ray % kPacketSize;
   return {static_cast<double>(lanes.x[lane]),
           static_cast<double>(lanes.y[lane]),
@@ -133,18 +133,18 @@ bool GridLight::is_near(const Square& square, int x, int y) const {
   const std::size_t ray = grid_->ray(x, y);
   const SurfaceLanes& here = grid_->surface_of(ray);
   const Shares shares = shares_at(square, x, y);
-  Vector3d normal = vector_at(here.normal, ray);
-  Vector3d tangent = vector_at(here.tangent, ray);
-  Vector3d point = vector_at(here.point, ray);
+  Vector3d normal = vector_of_ray(here.normal, ray);
+  Vector3d tangent = vector_of_ray(here.tangent, ray);
+  Vector3d point = vector_of_ray(here.point, ray);
   const double reach_mm = (point - task_.scene_from_camera.translation_mm).norm();
-  const bool is_open = vector_at(here.open, ray).squaredNorm() > 0.0;
+  const bool is_open = vector_of_ray(here.open, ray).squaredNorm() > 0.0;
   for (std::size_t i = 0; i < kNodes; ++i) {
     const std::size_t other = node(square, i);
     const SurfaceLanes& there = grid_->surface_of(other);
-    normal -= shares[i] * vector_at(there.normal, other);
-    tangent -= shares[i] * vector_at(there.tangent, other);
-    point -= shares[i] * vector_at(there.point, other);
-    if (is_open != (vector_at(there.open, other).squaredNorm() > 0.0)) {
+    normal -= shares[i] * vector_of_ray(there.normal, other);
+    tangent -= shares[i] * vector_of_ray(there.tangent, other);
+    point -= shares[i] * vector_of_ray(there.point, other);
+    if (is_open != (vector_of_ray(there.open, other).squaredNorm() > 0.0)) {
       return false;
     }
   }
@@ -215,7 +215,7 @@ void GridLight::finish(std::size_t ray) {
   const SurfaceLanes& surface = grid_->surface_of(ray);
   const RigidTransform& pose = task_.scene.part.scene_from_part;
   const Vector3d point_mm =
-      pose.rotation.transpose() * (vector_at(surface.point, ray) - pose.translation_mm);
+      pose.rotation.transpose() * (vector_of_ray(surface.point, ray) - pose.translation_mm);
   const bool has_pattern = task_.scene.material.has_pattern();
   const Colour colour =
       has_pattern ? task_.scene.material.texel_at(point_mm).colour : Colour::Ones();

@@ -15,7 +15,7 @@ namespace glint {
 namespace {
 
 /// Of an area: less is none.
-constexpr double kRounding = 1e-9;
+constexpr double kNoArea = 1e-9;
 
 constexpr int kBesideWall = 3;  ///< edges that something is beside of: the rim, both ends
 
@@ -105,7 +105,7 @@ double hidden_share(const OccludedPixels& occluded,
   double of_edges = 0.0;
   for (const OccludedEdge& pixel : occluded.edges) {
     const double hidden = 1.0 - VisiblePart(pixel, tunnel).area();
-    of_edges += hidden > kRounding ? hidden : 0.0;
+    of_edges += hidden > kNoArea ? hidden : 0.0;
   }
   return share_of_part(occluded.whole, seen) + (on_part > 0 ? of_edges / on_part : 0.0);
 }

@@ -15,7 +15,7 @@ constexpr int kMinAcross =
     5;  ///< looks across an edge that two facets have in common, some per row
 constexpr std::size_t kFacetPoints = 200;
 constexpr double kFlat = 0.035;      ///< rms of a facet's normals about their mean, 2 deg
-constexpr double kStep_px = 1.5;     ///< above the tangent plane
+constexpr double kHeight_px = 1.5;   ///< above the tangent plane
 constexpr double kStepShare = 0.35;  ///< of the distance; at the limb of a ball it is less
 
 /// The flat ones of some pieces.
@@ -165,7 +165,7 @@ class FacetJoiner {
 
 bool is_step(const Vector3d& step, const Vector3d& first, const Vector3d& second, double pixel_mm) {
   const double above = std::min(std::abs(step.dot(first)), std::abs(step.dot(second)));
-  return above > std::max(kStep_px * pixel_mm, kStepShare * step.norm());
+  return above > std::max(kHeight_px * pixel_mm, kStepShare * step.norm());
 }
 
 std::vector<PointWithNormal> points_of(const SimulatedSurface& surface,

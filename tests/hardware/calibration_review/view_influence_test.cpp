@@ -13,7 +13,7 @@ namespace {
 
 constexpr LensMask kTerms = {true, true, true, true, true, true, false, true, true};
 
-HandEyeCalibration calibrate(const SimulatedCell& cell) {
+HandEyeCalibration calibrated_by_terms(const SimulatedCell& cell) {
   HandEyeOptions options = cell_options(cell.settings);
   options.camera.free_terms = kTerms;
   return calibrate_hand_eye(cell.pictures, cell.base_from_flange, options);
@@ -21,7 +21,7 @@ HandEyeCalibration calibrate(const SimulatedCell& cell) {
 
 TEST(ViewInfluences, AreTheMovesThatLeavingAPictureOutMakes) {
   const SimulatedCell cell = simulate_cell({.num_poses = 12}, 1);
-  const HandEyeCalibration result = calibrate(cell);
+  const HandEyeCalibration result = calibrated_by_terms(cell);
   ASSERT_TRUE(result.succeeded) << result.refusal;
   const std::vector<ViewInfluence> influences = view_influences(result.bundle);
   ASSERT_EQ(influences.size(), 12u);

@@ -12,15 +12,15 @@
 namespace glint {
 namespace {
 
-constexpr int kSide = 120;
+constexpr int kPictureSide = 120;
 constexpr double kPeriod_px = 12.0;
 
 /// exp() of two crossed waves, less what the logarithm adds.
 ImageF crossed_waves(double along_x, double along_y) {
-  ImageF picture(kSide, kSide);
+  ImageF picture(kPictureSide, kPictureSide);
   const double turn = 2.0 * kPi / kPeriod_px;
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
+  for (int y = 0; y < kPictureSide; ++y) {
+    for (int x = 0; x < kPictureSide; ++x) {
       const double value = along_x * std::sin(turn * x) + along_y * std::sin(turn * y);
       picture(x, y) = static_cast<float>(0.5 * std::exp(value) - 0.03);
     }
@@ -29,7 +29,7 @@ ImageF crossed_waves(double along_x, double along_y) {
 }
 
 ImageF noisy_picture(std::uint64_t index, double deviation) {
-  ImageF picture(kSide, kSide);
+  ImageF picture(kPictureSide, kPictureSide);
   Rng rng(11, Stream::kTest, index);
   for (float& grey : picture.values()) {
     grey = static_cast<float>(0.5 + deviation * rng.normal());
@@ -54,7 +54,8 @@ double left_by_smoothing() {
 // is the larger one and does not count.
 TEST(StructureOf, IsTheSmallerOfTwoCrossedWaves) {
   ThreadPool pool(2);
-  const ImageF structure = structure_of(crossed_waves(0.4, 0.1), Mask(kSide, kSide, 1), 36.0, pool);
+  const ImageF structure =
+      structure_of(crossed_waves(0.4, 0.1), Mask(kPictureSide, kPictureSide, 1), 36.0, pool);
   const double expected = 0.1 * 0.5 / std::sqrt(2.0) * left_by_smoothing();
   for (int y = 45; y < 75; ++y) {
     for (int x = 45; x < 75; ++x) {
@@ -69,24 +70,24 @@ TEST(StructureOf, IsNothingForGroovesInAnyDirection) {
   for (int degrees = 0; degrees < 180; degrees += 15) {
     const double across_x = std::cos(degrees * kRadPerDeg);
     const double across_y = std::sin(degrees * kRadPerDeg);
-    ImageF picture(kSide, kSide);
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x < kSide; ++x) {
+    ImageF picture(kPictureSide, kPictureSide);
+    for (int y = 0; y < kPictureSide; ++y) {
+      for (int x = 0; x < kPictureSide; ++x) {
         const double at = across_x * x + across_y * y;
         picture(x, y) = static_cast<float>(0.5 + 0.3 * std::sin(0.5 * at));
       }
     }
-    const ImageF structure = structure_of(picture, Mask(kSide, kSide, 1), 16.0, pool);
-    for (int i = 20; i < kSide - 20; ++i) {
+    const ImageF structure = structure_of(picture, Mask(kPictureSide, kPictureSide, 1), 16.0, pool);
+    for (int i = 20; i < kPictureSide - 20; ++i) {
       ASSERT_LT(std::abs(structure(i, i)), 2e-3F) << degrees;
-      ASSERT_LT(std::abs(structure(i, kSide - i)), 2e-3F) << degrees;
+      ASSERT_LT(std::abs(structure(i, kPictureSide - i)), 2e-3F) << degrees;
     }
   }
 }
 
 TEST(StructureOf, SeesNothingOutsideTheMask) {
   ThreadPool pool(2);
-  Mask mask(kSide, kSide);
+  Mask mask(kPictureSide, kPictureSide);
   for (int y = 30; y < 90; ++y) {
     for (int x = 20; x < 70; ++x) {
       mask(x, y) = 1;
@@ -109,7 +110,7 @@ TEST(StructureOf, HardlyChangesWithTheLight) {
   for (float& grey : darker.values()) {
     grey *= 0.6F;
   }
-  const Mask whole(kSide, kSide, 1);
+  const Mask whole(kPictureSide, kPictureSide, 1);
   const ImageF bright = structure_of(picture, whole, 16.0, pool);
   const ImageF dark = structure_of(darker, whole, 16.0, pool);
   for (std::size_t i = 0; i < bright.size(); ++i) {
@@ -120,10 +121,10 @@ TEST(StructureOf, HardlyChangesWithTheLight) {
 
 TEST(StructureOf, IsNegativeWhereItIsDarkerThanAround) {
   ThreadPool pool(2);
-  ImageF picture(kSide, kSide, 0.5F);
+  ImageF picture(kPictureSide, kPictureSide, 0.5F);
   picture(30, 60) = picture(31, 61) = 0.2F;
   picture(90, 60) = picture(91, 61) = 0.8F;
-  const ImageF structure = structure_of(picture, Mask(kSide, kSide, 1), 8.0, pool);
+  const ImageF structure = structure_of(picture, Mask(kPictureSide, kPictureSide, 1), 8.0, pool);
   EXPECT_LT(structure(30, 60), -0.01F);
   EXPECT_GT(structure(90, 60), 0.01F);
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr int kPoints = 100;
 constexpr double kContrast = 0.5;
 constexpr double kBlurPx = 0.8;
-constexpr double kNoise = 0.01;
+constexpr double kGreyNoise = 0.01;
 constexpr double kFittedPx = 6.5;  ///< 13 samples half a pixel apart
 
 // g(t) = c Phi(t / s) in white noise sigma tells t0 with the information I = c^2 / (2 sqrt(pi) s
@@ -38,7 +38,7 @@ TEST(LocateEdges, OfAWholeEdgeAreNearlyAsGoodAsItsPixelsAllow) {
   constexpr int kDraws = 300;
   for (int draw = 0; draw < kDraws; ++draw) {
     ImageF picture = clean;
-    add_normal_noise(picture, kNoise, static_cast<std::uint64_t>(draw));
+    add_normal_noise(picture, kGreyNoise, static_cast<std::uint64_t>(draw));
     double sum = 0.0;
     const auto found = locate_edges(picture, lines);
     ASSERT_EQ(found.size(), static_cast<std::size_t>(kPoints));
@@ -50,7 +50,7 @@ TEST(LocateEdges, OfAWholeEdgeAreNearlyAsGoodAsItsPixelsAllow) {
   }
   const double blur_px = std::sqrt(kBlurPx * kBlurPx + 1.0 / 12.0);
   const double width_px = 2.0 * std::sqrt(kPi) * blur_px;
-  const double known = kNoise / kContrast * std::sqrt(width_px / kPoints);
+  const double known = kGreyNoise / kContrast * std::sqrt(width_px / kPoints);
   const double bound = known / std::sqrt(1.0 - width_px / kFittedPx);
   std::printf(
       "whole edge %.5f px, bound %.5f px, with both greys known %.5f px, as if points were "

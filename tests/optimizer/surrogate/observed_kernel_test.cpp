@@ -21,7 +21,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kStep = 1e-4;
+constexpr double kDifferenceStep = 1e-4;
 
 /// Random points of a space, random parameters, and at each point its value and two derivatives.
 struct Scene {
@@ -67,12 +67,12 @@ struct Scene {
         MatrixXd y = points.row(b.point);
         double factor = 0.25;
         if (a.column != Observation::kValue) {
-          x(0, a.column) += up * kStep;
-          factor *= 2.0 * up / (2.0 * kStep);
+          x(0, a.column) += up * kDifferenceStep;
+          factor *= 2.0 * up / (2.0 * kDifferenceStep);
         }
         if (b.column != Observation::kValue) {
-          y(0, b.column) += right * kStep;
-          factor *= 2.0 * right / (2.0 * kStep);
+          y(0, b.column) += right * kDifferenceStep;
+          factor *= 2.0 * right / (2.0 * kDifferenceStep);
         }
         sum += factor * covariance(encoding, parameters, x, y)(0, 0);
       }
@@ -98,7 +98,7 @@ TEST(ObservedKernel, OfDerivativesIsTheDerivativeOfTheKernel) {
         const double expected = scene.by_differences(scene.seen[i], scene.seen[j]);
         EXPECT_NEAR(k(static_cast<Index>(i), static_cast<Index>(j)),
                     expected,
-                    (is_same ? 20.0 * kStep : 1e-5) * (1.0 + std::abs(expected)));
+                    (is_same ? 20.0 * kDifferenceStep : 1e-5) * (1.0 + std::abs(expected)));
         largest = std::max(largest, is_same ? 0.0 : std::abs(expected));
       }
     }
@@ -158,8 +158,8 @@ TEST(ObservedKernel, ItsDerivativesAreThoseOfItsCovariances) {
       double expected = 0.0;
       for (const double side : {-1.0, 1.0}) {
         MatrixXd moved = rows;
-        moved(r, c) += side * kStep;
-        expected += side / (2.0 * kStep) *
+        moved(r, c) += side * kDifferenceStep;
+        expected += side / (2.0 * kDifferenceStep) *
                     observed_covariance(scene.observed(), moved).col(r).dot(weights.col(r));
       }
       EXPECT_NEAR(derivatives(r, c), expected, 1e-5 * (1.0 + std::abs(expected)));
@@ -180,8 +180,8 @@ TEST(ObservedKernel, ItsDerivativesByTheParametersAreThoseOfItsCovariances) {
       double expected = 0.0;
       for (const double side : {-1.0, 1.0}) {
         Scene moved = scene;
-        moved.parameters[p] += side * kStep;
-        expected += side / (2.0 * kStep) * 0.5 *
+        moved.parameters[p] += side * kDifferenceStep;
+        expected += side / (2.0 * kDifferenceStep) * 0.5 *
                     (b.array() * observed_covariance(moved.observed()).array()).sum();
       }
       EXPECT_NEAR(gradient[p], p == noise ? 0.0 : expected, 1e-5 * (1.0 + std::abs(expected)));

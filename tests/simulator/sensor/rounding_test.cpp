@@ -3,33 +3,32 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "core/rng.h"
+#include "core/units.h"
 
 namespace glint {
 namespace {
 
-constexpr double kStep = 1.0 / 255.0;
+constexpr double kGreyStep = 1.0 / 255.0;
 
 /// Of steps.
 double bias(double grey, double noise) {
-  return rounding_bias(grey * kStep, noise * kStep, kStep) / kStep;
+  return rounding_bias(grey * kGreyStep, noise * kGreyStep, kGreyStep) / kGreyStep;
 }
 
 TEST(Rounding, WithoutNoiseMovesEachGreyValueToItsNearestStep) {
   EXPECT_NEAR(bias(0.3, 0), -0.3, 1e-9) << "recorded as black";
   EXPECT_NEAR(bias(0.7, 0), 0.3, 1e-9);
   EXPECT_NEAR(bias(40.25, 0), -0.25, 1e-9);
-  EXPECT_NEAR(largest_rounding_bias(0.0, kStep), 0.5 * kStep, 1e-12);
+  EXPECT_NEAR(largest_rounding_bias(0.0, kGreyStep), 0.5 * kGreyStep, 1e-12);
 }
 
 // Of a sawtooth blurred by the noise: sum over k of (-1)^k sin(2 pi k x) exp(-2 pi^2 k^2 n^2) / pi
 // k.
 TEST(Rounding, WithNoiseIsABlurredSawtooth) {
-  constexpr double kPi = std::numbers::pi;
   for (const double noise : {0.1, 0.25, 0.5}) {
     double largest = 0.0;
     for (double grey = 10.0; grey < 11.0; grey += 0.01) {
@@ -41,24 +40,25 @@ TEST(Rounding, WithNoiseIsABlurredSawtooth) {
       EXPECT_NEAR(bias(grey, noise), expected, 1e-8) << noise << " " << grey;
       largest = std::max(largest, std::abs(expected));
     }
-    EXPECT_LE(largest, largest_rounding_bias(noise * kStep, kStep) / kStep) << noise;
-    EXPECT_GE(largest, 0.55 * largest_rounding_bias(noise * kStep, kStep) / kStep) << noise;
+    EXPECT_LE(largest, largest_rounding_bias(noise * kGreyStep, kGreyStep) / kGreyStep) << noise;
+    EXPECT_GE(largest, 0.55 * largest_rounding_bias(noise * kGreyStep, kGreyStep) / kGreyStep)
+        << noise;
   }
-  EXPECT_LT(largest_rounding_bias(0.25 * kStep, kStep), 0.095 * kStep);
-  EXPECT_LT(largest_rounding_bias(0.5 * kStep, kStep), 0.0025 * kStep);
+  EXPECT_LT(largest_rounding_bias(0.25 * kGreyStep, kGreyStep), 0.095 * kGreyStep);
+  EXPECT_LT(largest_rounding_bias(0.5 * kGreyStep, kGreyStep), 0.0025 * kGreyStep);
   EXPECT_EQ(bias(10.3, 1.5), 0.0);
 }
 
 // Of a number with noise n about 0 half is cut off: n / sqrt(2 pi) is left.
 TEST(Rounding, OfADarkSignalIsCutAtBlack) {
-  EXPECT_NEAR(bias(0.0, 3.0), 3.0 / std::sqrt(2.0 * std::numbers::pi), 0.01);
+  EXPECT_NEAR(bias(0.0, 3.0), 3.0 / std::sqrt(2.0 * kPi), 0.01);
   Rng random(3, Stream::kTest, 0);
   double sum = 0.0;
-  constexpr int kPixels = 200000;
-  for (int i = 0; i < kPixels; ++i) {
+  constexpr int kDraws = 200000;
+  for (int i = 0; i < kDraws; ++i) {
     sum += std::max(0.0, std::round(0.8 + 0.4 * random.normal()));
   }
-  EXPECT_NEAR(bias(0.8, 0.4), sum / kPixels - 0.8, 4.0 * 0.5 / std::sqrt(kPixels));
+  EXPECT_NEAR(bias(0.8, 0.4), sum / kDraws - 0.8, 4.0 * 0.5 / std::sqrt(kDraws));
 }
 
 TEST(Rounding, OfNoiseIsThatOfElectrons) {

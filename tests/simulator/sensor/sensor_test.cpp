@@ -103,15 +103,15 @@ TEST(Sensor, IsLinearBelowFullScaleWithoutRounding) {
 
 /// Relative spread of the mean over 24 frames of stripes whose period shrinks from 40 to 10 px.
 double spread_over_the_scan(double gain) {
-  constexpr int kWidth = 400;
+  constexpr int kLength = 400;
   constexpr int kFrames = 24;
-  const Sensor sensor({.gain = gain, .blur_px = 1.2, .bits = 0}, kWidth, 3);
+  const Sensor sensor({.gain = gain, .blur_px = 1.2, .bits = 0}, kLength, 3);
   ScanSums sums;
-  ImageF radiance(kWidth, 3);
+  ImageF radiance(kLength, 3);
   for (int frame = 0; frame < kFrames; ++frame) {
     for (int y = 0; y < 3; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        const double phase = x / 40.0 + 0.5 * x * x * (0.1 - 0.025) / kWidth;
+      for (int x = 0; x < kLength; ++x) {
+        const double phase = x / 40.0 + 0.5 * x * x * (0.1 - 0.025) / kLength;
         const double shifted = phase + (frame + 0.37) / kFrames;
         radiance(x, y) = shifted - std::floor(shifted) < 0.5 ? 1.0f : 0.0f;
       }

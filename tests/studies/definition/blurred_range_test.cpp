@@ -20,17 +20,17 @@ using Method = RenderSettings::Method;
 const std::string kRender = "[render]\nmethod = \"blurred\"\n";
 const std::string kMetal = "[material]\ntype = \"conductor\"\n";
 
-std::vector<std::string> errors_of(const std::string& text) {
+std::vector<std::string> blurred_errors(const std::string& text) {
   std::vector<Problem> errors;
   read_scene(parse_toml(text, "s.toml"), errors);
   return messages_of(errors);
 }
 
 std::vector<std::string> errors_of_metal(const std::string& text) {
-  return errors_of(kRender + kMetal + text);
+  return blurred_errors(kRender + kMetal + text);
 }
 
-SceneSettings satin() {
+SceneSettings satin_blurred() {
   SceneSettings scene;
   scene.material.type = MaterialSettings::Type::kConductor;
   scene.material.alpha = {0.05};
@@ -62,8 +62,8 @@ TEST(BlurredRange, RefusesOtherWidthsAtTheirPlaces) {
 }
 
 TEST(BlurredRange, RefusesOtherMaterials) {
-  EXPECT_THAT(errors_of(kRender), ElementsAre(HasSubstr("material.type: is \"mirror\"")));
-  EXPECT_THAT(errors_of(kRender + "[material]\ntype = \"diffuse\"\n"),
+  EXPECT_THAT(blurred_errors(kRender), ElementsAre(HasSubstr("material.type: is \"mirror\"")));
+  EXPECT_THAT(blurred_errors(kRender + "[material]\ntype = \"diffuse\"\n"),
               ElementsAre(AllOf(StartsWith("s.toml:4:"), HasSubstr("allowed is \"conductor\""))));
   EXPECT_THAT(errors_of_metal("[material.coat]\nindex = 1.5\n"),
               ElementsAre(AllOf(StartsWith("s.toml:6:"), HasSubstr("material.coat.index"))));
@@ -98,7 +98,7 @@ TEST(BlurredRange, RefusesOtherCameras) {
 }
 
 TEST(BlurredRange, IsAskedForAndNotChosen) {
-  SceneSettings scene = satin();
+  SceneSettings scene = satin_blurred();
   EXPECT_FALSE(needs_paths(scene));
   scene.render.method = Method::kAuto;
   EXPECT_TRUE(needs_paths(scene));
@@ -106,7 +106,7 @@ TEST(BlurredRange, IsAskedForAndNotChosen) {
 }
 
 TEST(BlurredRange, HasItsOwnFramesAndItsFinerOnesHaveMoreRays) {
-  const SceneSettings scene = satin();
+  const SceneSettings scene = satin_blurred();
   EXPECT_EQ(frame_method(scene).name, "blurred");
   EXPECT_FALSE(frame_method(scene).has_closed_mean);
   EXPECT_EQ(rescoring_settings(scene).render.method, Method::kBlurred);

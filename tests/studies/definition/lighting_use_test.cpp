@@ -20,15 +20,15 @@ radius_mm = 120
 [lighting.dome]
 )";
 
-Study study_of(const std::string& text, const std::vector<KeyValue>& sets = {}) {
+Study lighting_study(const std::string& text, const std::vector<KeyValue>& sets = {}) {
   const TemporaryFolder folder;
   write_file(folder / "s.toml", text);
   return load_study(folder / "s.toml", sets);
 }
 
-std::string error_of(const std::string& text) {
+std::string lighting_error(const std::string& text) {
   try {
-    study_of(text);
+    lighting_study(text);
   } catch (const ConfigError& error) {
     return error.what();
   }
@@ -46,7 +46,7 @@ evaluations = 10
 )";
 
 TEST(LightingUse, AllLightsShineUnlessItSaysOtherwise) {
-  const SceneSettings scene = study_of(kLights).scene;
+  const SceneSettings scene = lighting_study(kLights).scene;
   EXPECT_TRUE(scene.has_tunnel);
   EXPECT_EQ(scene.lights.size(), 2U);
   EXPECT_TRUE(scene.idle_lights.empty());
@@ -54,7 +54,8 @@ TEST(LightingUse, AllLightsShineUnlessItSaysOtherwise) {
 }
 
 TEST(LightingUse, IdleLightsDoNotDecideTheTransport) {
-  const SceneSettings scene = study_of("lighting_use = \"tunnel\"\n" + std::string(kLights)).scene;
+  const SceneSettings scene =
+      lighting_study("lighting_use = \"tunnel\"\n" + std::string(kLights)).scene;
   EXPECT_TRUE(scene.has_tunnel);
   EXPECT_TRUE(scene.lights.empty());
   EXPECT_EQ(scene.idle_lights.size(), 2U);
@@ -62,10 +63,10 @@ TEST(LightingUse, IdleLightsDoNotDecideTheTransport) {
 }
 
 TEST(LightingUse, AnIdleTunnelIsKeptAndWrittenBack) {
-  const Study study = study_of("lighting_use = \"ring+dome\"\n" + std::string(kLights));
+  const Study study = lighting_study("lighting_use = \"ring+dome\"\n" + std::string(kLights));
   EXPECT_FALSE(study.scene.has_tunnel);
   EXPECT_EQ(study.scene.lights.size(), 2U);
-  const Study again = study_of(resolved_text(study));
+  const Study again = lighting_study(resolved_text(study));
   EXPECT_FALSE(again.scene.has_tunnel);
   EXPECT_TRUE(again.scene.has_idle_tunnel);
   EXPECT_DOUBLE_EQ(again.scene.tunnel.radius_mm, 120.0);
@@ -73,26 +74,27 @@ TEST(LightingUse, AnIdleTunnelIsKeptAndWrittenBack) {
 }
 
 TEST(LightingUse, IdleLightsAreCheckedAllTheSame) {
-  EXPECT_THAT(error_of("lighting_use = \"tunnel\"\n" + std::string(kLights) +
-                       "[lighting.bar]\nradiance = -1\n"),
+  EXPECT_THAT(lighting_error("lighting_use = \"tunnel\"\n" + std::string(kLights) +
+                             "[lighting.bar]\nradiance = -1\n"),
               HasSubstr("lighting.bar.radiance"));
 }
 
 TEST(LightingUse, RefusesWhatIsNoSetOfLights) {
   const std::string lights = kLights;
   EXPECT_THAT(
-      error_of("lighting_use = \"rign\"\n" + lights),
+      lighting_error("lighting_use = \"rign\"\n" + lights),
       HasSubstr("\"rign\" is no light; allowed are \"all\" and sets of tunnel, ring, dome"));
-  EXPECT_THAT(error_of("lighting_use = \"ring+ring\"\n" + lights), HasSubstr("twice"));
-  EXPECT_THAT(error_of("lighting_use = 3\n" + lights), HasSubstr("s.toml:1:"));
-  EXPECT_THAT(error_of(lights + "[variables]\nlighting_use = { choices = [\"ring\", \"dom\"] }\n"
-                                "[objective]\nmaximise = \"homogeneity.h_rms\"\n"
-                                "[budget]\nevaluations = 9\n"),
-              HasSubstr("\"dom\" is no light"));
+  EXPECT_THAT(lighting_error("lighting_use = \"ring+ring\"\n" + lights), HasSubstr("twice"));
+  EXPECT_THAT(lighting_error("lighting_use = 3\n" + lights), HasSubstr("s.toml:1:"));
+  EXPECT_THAT(
+      lighting_error(lights + "[variables]\nlighting_use = { choices = [\"ring\", \"dom\"] }\n"
+                              "[objective]\nmaximise = \"homogeneity.h_rms\"\n"
+                              "[budget]\nevaluations = 9\n"),
+      HasSubstr("\"dom\" is no light"));
 }
 
 TEST(LightingUse, IsAVariableWithConditionsOnSeveralValues) {
-  const Study study = study_of(kLights + kSearch);
+  const Study study = lighting_study(kLights + kSearch);
   const auto scene_at = [&](double kind) {
     return scene_with(study, overrides_of(study, canonical(study.space, Point{kind, 100, 60})));
   };
@@ -111,7 +113,7 @@ TEST(LightingUse, IsAVariableWithConditionsOnSeveralValues) {
 // A condition on a variable that has a condition itself: the radius is asked for only while the
 // tunnel shines and is round.
 TEST(LightingUse, ConditionsMayStandOnConditions) {
-  const Study study = study_of(kLights + std::string(R"([variables]
+  const Study study = lighting_study(kLights + std::string(R"([variables]
 "lighting_use" = { choices = ["tunnel", "ring"] }
 "lighting.tunnel.shape" = { choices = ["semicylinder", "ellipse"], when = "lighting_use == tunnel" }
 "lighting.tunnel.radius_mm" = { min = 90, max = 150, when = "lighting.tunnel.shape == semicylinder" }
@@ -150,20 +152,20 @@ maximise = "homogeneity.h_rms"
 [budget]
 evaluations = 9
 )");
-  EXPECT_THAT(error_of(text),
+  EXPECT_THAT(lighting_error(text),
               HasSubstr("s.toml:6:51: variables: lighting.ring.height_mm: when names the unknown "
                         "variable \"lighting_use\""));
 }
 
 TEST(LightingUse, RefusesConditionsThatCannotBeRead) {
   const auto with = [&](const std::string& when) {
-    return error_of(kLights +
-                    std::string("[variables]\n\"lighting_use\" = { choices = [\"tunnel\","
-                                "\"ring\"] }\n\"lighting.tunnel.radius_mm\" = { min = "
-                                "90, max = 150, when = \"") +
-                    when +
-                    "\" }\n[objective]\nmaximise = \"homogeneity.h_rms\"\n[budget]\n"
-                    "evaluations = 9\n");
+    return lighting_error(kLights +
+                          std::string("[variables]\n\"lighting_use\" = { choices = [\"tunnel\","
+                                      "\"ring\"] }\n\"lighting.tunnel.radius_mm\" = { min = "
+                                      "90, max = 150, when = \"") +
+                          when +
+                          "\" }\n[objective]\nmaximise = \"homogeneity.h_rms\"\n[budget]\n"
+                          "evaluations = 9\n");
   };
   EXPECT_EQ(with("lighting_use in [tunnel]"), "");
   EXPECT_THAT(with("lighting_use in tunnel"), HasSubstr("path in [value, value]"));
@@ -173,19 +175,20 @@ TEST(LightingUse, RefusesConditionsThatCannotBeRead) {
 
 // A run that was begun before the keys were there goes on: their defaults are not in the hash.
 TEST(LightingUse, ItsDefaultIsNotInTheHash) {
-  const std::string hash = config_hash(study_of(kLights));
-  EXPECT_EQ(config_hash(study_of("lighting_use = \"all\"\n" + std::string(kLights))), hash);
-  EXPECT_NE(config_hash(study_of("lighting_use = \"ring\"\n" + std::string(kLights))), hash);
+  const std::string hash = config_hash(lighting_study(kLights));
+  EXPECT_EQ(config_hash(lighting_study("lighting_use = \"all\"\n" + std::string(kLights))), hash);
+  EXPECT_NE(config_hash(lighting_study("lighting_use = \"ring\"\n" + std::string(kLights))), hash);
 }
 
 TEST(ExposeTo, IsReadAndRefusesMethodsWithDerivatives) {
   const std::string sensor = "[sensor]\nexpose_to = 0.9\n";
-  EXPECT_DOUBLE_EQ(study_of(sensor).scene.expose_to, 0.9);
-  EXPECT_THAT(error_of("[sensor]\nexpose_to = 1.5\n"), HasSubstr("sensor.expose_to"));
-  EXPECT_THAT(error_of(sensor + "[variables]\n\"lighting.tunnel.radius_mm\" = { min = 90, max = "
-                                "150 }\n[objective]\nmaximise = \"homogeneity.h_rms\"\n[search]\n"
-                                "algorithm = \"slsqp\"\n[budget]\nevaluations = 9\n"),
-              HasSubstr("sensor.expose_to sets the exposure"));
+  EXPECT_DOUBLE_EQ(lighting_study(sensor).scene.expose_to, 0.9);
+  EXPECT_THAT(lighting_error("[sensor]\nexpose_to = 1.5\n"), HasSubstr("sensor.expose_to"));
+  EXPECT_THAT(
+      lighting_error(sensor + "[variables]\n\"lighting.tunnel.radius_mm\" = { min = 90, max = "
+                              "150 }\n[objective]\nmaximise = \"homogeneity.h_rms\"\n[search]\n"
+                              "algorithm = \"slsqp\"\n[budget]\nevaluations = 9\n"),
+      HasSubstr("sensor.expose_to sets the exposure"));
 }
 
 }  // namespace

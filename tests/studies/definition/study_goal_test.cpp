@@ -14,15 +14,15 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Study study_of(const std::string& text, const std::vector<KeyValue>& sets = {}) {
+Study goal_study(const std::string& text, const std::vector<KeyValue>& sets = {}) {
   const TemporaryFolder folder;
   write_file(folder / "s.toml", text);
   return load_study(folder / "s.toml", sets);
 }
 
-std::string error_of(const std::string& text, const std::vector<KeyValue>& sets = {}) {
+std::string goal_error(const std::string& text, const std::vector<KeyValue>& sets = {}) {
   try {
-    study_of(text, sets);
+    goal_study(text, sets);
   } catch (const ConfigError& error) {
     return error.what();
   }
@@ -37,8 +37,9 @@ const std::string kEven = "[[objective]]\nmaximise = \"homogeneity.h_rms\"\n";
 const std::string kVisible = "[[objective]]\nmaximise = \"defects.min_cnr\"\n";
 
 TEST(StudyGoal, ReadsSeveralObjectivesAndTheChoice) {
-  const Study study = study_of(kScene + kEven + "reference = 0.2\naspiration = 0.8\nweight = 2\n" +
-                               kVisible + "[choice]\nby = \"aspirations\"\n");
+  const Study study =
+      goal_study(kScene + kEven + "reference = 0.2\naspiration = 0.8\nweight = 2\n" + kVisible +
+                 "[choice]\nby = \"aspirations\"\n");
   const std::vector<Objective> objectives = objectives_of(study.goal);
   ASSERT_EQ(objectives.size(), 2U);
   EXPECT_EQ(objectives[0].name, "homogeneity.h_rms");
@@ -70,28 +71,28 @@ TEST(StudyGoal, TheResolvedTextIsTheSameStudyWithSeveralObjectives) {
 
 TEST(StudyGoal, RefusesWhatSeveralObjectivesDoNotGoWith) {
   const std::string both = kScene + kEven + kVisible;
-  EXPECT_EQ(error_of(both), "");
-  EXPECT_THAT(error_of(both, {{"budget.target", "3"}}),
+  EXPECT_EQ(goal_error(both), "");
+  EXPECT_THAT(goal_error(both, {{"budget.target", "3"}}),
               HasSubstr("budget.target: is of one objective, there are several; allowed: "
                         "budget.stall"));
-  EXPECT_THAT(error_of(both, {{"search.algorithm", "sbplx"}}),
+  EXPECT_THAT(goal_error(both, {{"search.algorithm", "sbplx"}}),
               HasSubstr("search.algorithm: \"sbplx\" knows one objective, there are 2; allowed: "
                         "\"auto\", \"gp\", \"nsga2\", \"nspso\", \"sobol\", \"random\""));
-  EXPECT_EQ(error_of(both, {{"search.algorithm", "nsga2"}}), "");
-  EXPECT_THAT(error_of(kScene + "[objective]\nmaximise = \"homogeneity.h_rms\"\n",
-                       {{"search.algorithm", "nspso"}}),
+  EXPECT_EQ(goal_error(both, {{"search.algorithm", "nsga2"}}), "");
+  EXPECT_THAT(goal_error(kScene + "[objective]\nmaximise = \"homogeneity.h_rms\"\n",
+                         {{"search.algorithm", "nspso"}}),
               HasSubstr("search.algorithm: \"nspso\" needs several objectives, there is one"));
-  EXPECT_EQ(error_of(both + "[manufacture]\n\"lighting.tunnel.duty\" = { plus_minus = 0.01 }\n"),
+  EXPECT_EQ(goal_error(both + "[manufacture]\n\"lighting.tunnel.duty\" = { plus_minus = 0.01 }\n"),
             "");
-  EXPECT_THAT(error_of(both + "[prototypes.front]\n\"lighting.tunnel.duty\" = 0.4\n"),
+  EXPECT_THAT(goal_error(both + "[prototypes.front]\n\"lighting.tunnel.duty\" = 0.4\n"),
               HasSubstr("prototypes.front: the folder front/ of a run holds the designs"));
-  EXPECT_THAT(error_of("[defects.dent]\nx_mm = [5]\ny_mm = [10]\n" + kEven + kVisible),
+  EXPECT_THAT(goal_error("[defects.dent]\nx_mm = [5]\ny_mm = [10]\n" + kEven + kVisible),
               HasSubstr("objective: several objectives need [variables]"));
 }
 
 TEST(StudyGoal, RefusesContradictionsInOneLineEach) {
   const auto refused = [](const std::string& goal, const std::string& text) {
-    const std::string error = error_of(kScene + goal);
+    const std::string error = goal_error(kScene + goal);
     EXPECT_THAT(error, HasSubstr(text));
     EXPECT_EQ(std::ranges::count(error, '\n'), 0) << error;
     EXPECT_THAT(error, HasSubstr("s.toml:")) << "has a place";
@@ -117,7 +118,7 @@ TEST(StudyGoal, RefusesContradictionsInOneLineEach) {
 
 /// Hashes of studies with one objective are those of earlier programs.
 TEST(StudyGoal, OneObjectiveIsWrittenAsBefore) {
-  const Study study = study_of(kScene + "[objective]\nmaximise = \"homogeneity.h_rms\"\n");
+  const Study study = goal_study(kScene + "[objective]\nmaximise = \"homogeneity.h_rms\"\n");
   const std::string text = resolved_text(study);
   EXPECT_THAT(text, HasSubstr("[objective]\nmaximise = "));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("choice]")));

@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::ordered_json;
 
-const std::string kSearch = "schema = 1\n" + kPathPlate + kPathRing + R"(
+const std::string kThreeDesigns = "schema = 1\n" + kPathPlate + kPathRing + R"(
 [variables]
 "lighting.ring.height_mm" = { min = 20, max = 40 }
 [objective]
@@ -51,17 +51,17 @@ std::vector<Trial> trials_in(const std::filesystem::path& out) {
   return Storage::read(out / "study.sqlite").trials(TrialKind::kSearch);
 }
 
-const std::string kNeeded = kSearch + "scores = \"needed\"\n";
+const std::string kNeeded = kThreeDesigns + "scores = \"needed\"\n";
 
 TEST(NeededScores, KeyIsWrittenWhereItIsGivenAlone) {
   const TemporaryFolder folder;
-  EXPECT_THAT(resolved_text(study_from(folder, kSearch)), Not(HasSubstr("scores = ")));
+  EXPECT_THAT(resolved_text(study_from(folder, kThreeDesigns)), Not(HasSubstr("scores = ")));
   const Study needed = study_from(folder, kNeeded);
   EXPECT_THAT(resolved_text(needed), HasSubstr("scores = \"needed\""));
   EXPECT_FALSE(wanted_in_search(needed).changes);
-  EXPECT_TRUE(wanted_in_search(study_from(folder, kSearch)).changes);
-  EXPECT_NE(config_hash(needed), config_hash(study_from(folder, kSearch)));
-  EXPECT_THROW(study_from(folder, kSearch + "scores = \"some\"\n"), ConfigError);
+  EXPECT_TRUE(wanted_in_search(study_from(folder, kThreeDesigns)).changes);
+  EXPECT_NE(config_hash(needed), config_hash(study_from(folder, kThreeDesigns)));
+  EXPECT_THROW(study_from(folder, kThreeDesigns + "scores = \"some\"\n"), ConfigError);
 }
 
 TEST(NeededScores, ChangesAreNeededWhereTheGoalOrAWishNamesThem) {
@@ -76,7 +76,7 @@ TEST(NeededScores, ChangesAreNeededWhereTheGoalOrAWishNamesThem) {
 
 TEST(NeededScores, OtherScoresAreTheSameBytesAndFinalistsHaveAll) {
   const TemporaryFolder folder;
-  const Json all = run_into(folder / "all", study_from(folder, kSearch));
+  const Json all = run_into(folder / "all", study_from(folder, kThreeDesigns));
   const Json needed = run_into(folder / "needed", study_from(folder, kNeeded));
   const auto whole = trials_in(folder / "all");
   const auto few = trials_in(folder / "needed");

@@ -43,15 +43,15 @@ TrialErrors errors_of(const SimulatedCell& cell,
                       const Bound& bound,
                       const LensVector& lens,
                       const std::optional<HandEye>& poses) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
+  constexpr double kUnbounded = std::numeric_limits<double>::infinity();
   if (!poses.has_value()) {
     return {.has_failed = true,
-            .deg = kNone,
-            .mm = kNone,
-            .px = {kNone, kNone, kNone},
-            .deg_of_bound = kNone,
-            .mm_of_bound = kNone,
-            .px_of_bound = kNone};
+            .deg = kUnbounded,
+            .mm = kUnbounded,
+            .px = {kUnbounded, kUnbounded, kUnbounded},
+            .deg_of_bound = kUnbounded,
+            .mm_of_bound = kUnbounded,
+            .px_of_bound = kUnbounded};
   }
   const auto miss = miss_of(cell, lens, *poses);
   TrialErrors errors{.is_turned = miss.segment<3>(15).norm() > 90.0 * kRadPerDeg,

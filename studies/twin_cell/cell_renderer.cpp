@@ -99,9 +99,19 @@ RigidTransform scene_from_camera(const Truth& truth, const TwinCellState& state)
 }
 
 CellRenderer::CellRenderer(const Truth& truth, ThreadPool& pool)
-    : truth_(truth), pool_(pool), store_(pool, kStoreBytes) {
+    : truth_(truth),
+      own_store_(std::make_unique<SceneStore>(pool, kStoreBytes)),
+      store_(*own_store_) {
+  begin();
+}
+
+CellRenderer::CellRenderer(const Truth& truth, SceneStore& store) : truth_(truth), store_(store) {
+  begin();
+}
+
+void CellRenderer::begin() {
   store_.leave_out_scores();
-  const PinholeIntrinsics intrinsics = intrinsics_of(truth.scene);
+  const PinholeIntrinsics intrinsics = intrinsics_of(truth_.scene);
   width_px_ = intrinsics.width_px;
   height_px_ = intrinsics.height_px;
 }

@@ -48,6 +48,10 @@ class CellRenderer {
  public:
   CellRenderer(const Truth& truth, ThreadPool& pool);
 
+  /// The same with a store that others use, too: views that truths of other exposures or powers of
+  /// lights have in common are rendered once. The store must live longer; it leaves scores out.
+  CellRenderer(const Truth& truth, SceneStore& store);
+
   int width_px() const { return width_px_; }
 
   int height_px() const { return height_px_; }
@@ -70,13 +74,14 @@ class CellRenderer {
   double step_mm() const;
 
  private:
+  void begin();
   SceneSettings scene_of(const TwinCellState& state, const CaptureSettings& settings) const;
   std::vector<Image<std::uint16_t>> render_lit(const SceneSettings& scene,
                                                const CaptureSettings& settings);
 
   Truth truth_;
-  ThreadPool& pool_;
-  SceneStore store_;
+  std::unique_ptr<SceneStore> own_store_;  ///< empty: another's is used
+  SceneStore& store_;
   int width_px_ = 0;
   int height_px_ = 0;
 };

@@ -45,6 +45,21 @@ TEST_F(SmallCell, FollowsExposureLightsAndBlackLevel) {
   EXPECT_NEAR(dark, 40.0 / 4095.0 * 255.0, 0.6);
 }
 
+// Twice as bright a truth is another picture of the same paths.
+TEST_F(SmallCell, RendersWhatTruthsHaveInCommonOnce) {
+  const CaptureSettings settings = {.exposure_us = 2500};
+  const TwinCellState state = state_above(0, {"ring"});
+  Truth brighter = truth_of(kSmallTruth);
+  brighter.settings.exposure_s *= 0.5;
+  SceneStore store(pool_);
+  const auto picture = CellRenderer(truth_of(kSmallTruth), store).render(state, settings);
+  EXPECT_EQ(picture, renderer_.render(state, settings));
+  const auto bright = CellRenderer(brighter, store).render(state, settings);
+  EXPECT_EQ(bright, CellRenderer(brighter, pool_).render(state, settings));
+  EXPECT_NEAR(mean_of(bright) / mean_of(picture), 2.0, 0.03);
+  EXPECT_EQ(store.num_rendered(), 1);
+}
+
 // 20 dB are a factor of ten: a mean below a tenth of full scale is ten times as high.
 TEST_F(SmallCell, FollowsTheGainInDecibels) {
   const TwinCellState state = state_above(0, {"ring"});

@@ -12,6 +12,7 @@
 #include "core/file.h"
 #include "core/rng.h"
 #include "core/thread_pool.h"
+#include "studies/compare/camera/scene_camera.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/scene_picture.h"
 #include "studies/validate/geometry_fit.h"
@@ -41,6 +42,13 @@ std::vector<std::pair<std::string, SceneSettings>> trial_designs(int size) {
     designs.emplace_back(prototype.name, scene);
   }
   return designs;
+}
+
+/// Of all fits here: they begin at the same two designs, whose pictures are then rendered once.
+SceneStore& store_of_fits() {
+  static ThreadPool pool(2);
+  static SceneStore store(pool, std::size_t{1} << 30U);
+  return store;
 }
 
 ImageF picture_in(SceneStore& store, const SceneSettings& scene) {
@@ -73,8 +81,7 @@ std::vector<GreyFit> fit_trial(const std::vector<std::string>& names,
                                const SceneChange& hidden,
                                int size = 3,
                                std::size_t views = 2) {
-  ThreadPool pool(2);
-  SceneStore store(pool);
+  SceneStore& store = store_of_fits();
   std::vector<GreyDesign> designs;
   for (const auto& [name, scene] : trial_designs(size)) {
     if (std::ranges::find(names, name) != names.end()) {
@@ -135,8 +142,7 @@ TEST(GreyFit, FindsALightThatShadesAnother) {
 // Brushed along x, the plate reflects so widely across that a millimetre changes a pixel by less
 // than the noise of few samples: plain least squares would find half the way along y at most.
 TEST(GreyFit, FindsAPlaceThatSlopesHardlyShow) {
-  ThreadPool pool(2);
-  SceneStore store(pool);
+  SceneStore& store = store_of_fits();
   auto [name, scene] = trial_designs(3).front();
   scene.material.anisotropy = -0.7;
   const std::vector designs = {design_of(store, name, scene, hidden_ring(), 1)};
@@ -182,8 +188,7 @@ TEST(GreyFit, StepsAreRightOrKnownToBeUnknown) {
 
 /// Where the ring is found, and how exactly, when the camera of all views is taken for turned.
 GreyFit ring_seen_turned(double turn_rad, const Eigen::MatrixXd& covariance) {
-  ThreadPool pool(2);
-  SceneStore store(pool);
+  SceneStore& store = store_of_fits();
   std::vector<GreyDesign> designs;
   for (const auto& [name, scene] : trial_designs(3)) {
     if (name == "ring") {
@@ -269,8 +274,7 @@ TEST(GreyFit, MovesNoLightWhereTheExposureIsAll) {
 
 // One design's lights of another power are told apart from the exposure, which all share.
 TEST(GreyFit, TellsTheirPowerFromTheExposure) {
-  ThreadPool pool(2);
-  SceneStore store(pool);
+  SceneStore& store = store_of_fits();
   std::vector<GreyDesign> designs;
   for (const auto& [name, scene] : trial_designs(3)) {
     designs.push_back(design_of(store, name, scene, {.exposure = name == "dome" ? 0.8 : 1.0}));
@@ -284,8 +288,7 @@ TEST(GreyFit, TellsTheirPowerFromTheExposure) {
 /// The dome as designed, times `designed`, and pictures of that with lights of another power,
 /// without noise, rounded to 255 steps.
 GreyFit rounded_dome(double designed, double power) {
-  ThreadPool pool(2);
-  SceneStore store(pool);
+  SceneStore& store = store_of_fits();
   SceneSettings scene = trial_designs(3).back().second;
   scene.sensor.full_well_e = 0.0;
   scene.sensor.read_noise_e = 0.0;

@@ -16,6 +16,7 @@
 #include "studies/twin_cell/cell_renderer.h"
 #include "studies/validate/light_changes.h"
 #include "studies/validate/validate_run.h"
+#include "tests/support/temporary_folder.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -65,12 +66,18 @@ Truth truth_of(const SceneSettings& scene, const TrialTruth& trial) {
   return truth;
 }
 
+/// Of all trials: designs and powers of lights differ, the paths that light takes do not.
+SceneStore& store_of_pictures() {
+  static ThreadPool pool(2);
+  static SceneStore store(pool, std::size_t{512} << 20U);
+  return store;
+}
+
 void take_pictures(const SceneSettings& scene,
                    const TrialTruth& trial,
                    std::size_t views,
                    const fs::path& folder) {
-  ThreadPool pool(2);
-  CellRenderer renderer(truth_of(scene, trial), pool);
+  CellRenderer renderer(truth_of(scene, trial), store_of_pictures());
   Json pictures = Json::array();
   const RigidTransform camera_from_flange =
       inverse(transform_of(scene.calibration->flange_from_camera->pose));
@@ -136,6 +143,18 @@ Json validate_trial(const fs::path& folder, bool is_refitting) {
                        .is_refitting = is_refitting,
                        .threads = 2,
                        .progress = Progress::Style::kNone});
+}
+
+std::string dome_study(const std::string& radiance) {
+  return "[prototypes.dome]\n\"lighting.ring.radiance\" = [0]\n\"lighting.dome.radiance\" = [" +
+         radiance + "]\n";
+}
+
+Json validated_dome(const std::string& radiance, double power) {
+  const TemporaryFolder folder;
+  const auto change = [power](SceneSettings& scene) { scene.sensor.exposure *= power; };
+  make_trial(folder.path(), {.change = change, .seed = 5}, {"dome"}, 2, dome_study(radiance));
+  return validate_trial(folder.path());
 }
 
 bool has_cause(const Json& result, const std::string& name) {

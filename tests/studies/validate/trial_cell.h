@@ -128,6 +128,12 @@ void make_trial(const std::filesystem::path& folder,
 nlohmann::ordered_json validate_trial(const std::filesystem::path& folder,
                                       bool is_refitting = false);
 
+/// A study of the dome alone, with this radiance.
+std::string dome_study(const std::string& radiance);
+
+/// Two views of that dome validated, whose pictures are `power` times as bright.
+nlohmann::ordered_json validated_dome(const std::string& radiance, double power);
+
 /// Whether the result has a cause of that name that is beyond tolerance.
 bool has_cause(const nlohmann::ordered_json& result, const std::string& name);
 

@@ -73,6 +73,22 @@ TEST(ValidateFaults, ARefitFindsExposureAndLightAndScoresAgain) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "out/ring/refit.toml"));
 }
 
+// Half a step of the sensor's 255; validate_run_test.cpp has one of a whole step.
+TEST(ValidateFaults, ADesignAsDarkAsHalfAStepAgrees) {
+  const Json dark = validated_dome("0.006", 1.0);
+  EXPECT_EQ(dark["agreement"], "agrees") << dark["verdict"] << dark["grey"];
+  EXPECT_GT(dark["grey"][0]["rounding_share"].get<double>(), 0.03) << dark["grey"];
+}
+
+// Darker by what rounding could make of its pictures, and brighter than it can.
+TEST(ValidateFaults, ADarkDesignOfAnotherPowerDoesNotAgree) {
+  for (const double power : {0.1, 3.0}) {
+    const Json wrong = validated_dome("0.011", power);
+    EXPECT_EQ(wrong["agreement"], "does_not_agree") << power << wrong["verdict"] << wrong["grey"];
+    EXPECT_TRUE(has_cause(wrong, "exposure")) << power << wrong["causes"];
+  }
+}
+
 int number_from(const char* name, int otherwise) {
   const char* text = std::getenv(name);
   return text == nullptr ? otherwise : std::atoi(text);

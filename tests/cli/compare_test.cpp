@@ -3,6 +3,7 @@
 // `glint compare`: pictures drawn here, and views that the program rendered.
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -196,10 +197,12 @@ TEST_F(CoverVerb, PrintsWhatTheViewsInspect) {
   EXPECT_GT(result["largest_gap_mm2"].get<double>(), 100.0);
 }
 
+/// A run of two evaluations and a photograph of its winner, made once; each test has a copy.
 class ComparedDesign : public CompareVerb {
  protected:
-  void SetUp() override {
-    write_file(folder_ / "study.toml",
+  static void SetUpTestSuite() {
+    made_ = std::make_unique<TemporaryFolder>();
+    write_file(*made_ / "study.toml",
                kDentedPlate +
                    "[variables]\n\"lighting.ring.height_mm\" = { min = 40, max = 90 }\n"
                    "[objective]\nmaximise = \"defects.min_cnr\"\n[budget]\nevaluations = 2\n");
@@ -215,14 +218,23 @@ class ComparedDesign : public CompareVerb {
           "photo"});
   }
 
-  void call(const Arguments& arguments) const {
-    const ProgramResult result = glint_in(folder_, arguments);
+  static void TearDownTestSuite() { made_.reset(); }
+
+  void SetUp() override {
+    std::filesystem::copy(made_->path(), folder_.path(), std::filesystem::copy_options::recursive);
+  }
+
+  static void call(const Arguments& arguments) {
+    const ProgramResult result = glint_in(*made_, arguments);
     ASSERT_EQ(result.code, 0) << result.err;
   }
 
   Json compared() const {
     return json_of(folder_, {"compare", "run/winner", "photo/baseline/image.tif", "--out", "out"});
   }
+
+ private:
+  inline static std::unique_ptr<TemporaryFolder> made_;
 };
 
 // A run leaves no geometry.exr: it is rendered. The camera's centre lies 2 px to the right.

@@ -2,6 +2,8 @@
 //
 // `glint compare` inspects both sides of a pair whose simulated side knows its defects.
 #include <cmath>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -55,41 +57,54 @@ TEST_F(InspectedSides, TellsADefectThatOneSideAloneShows) {
   }
 }
 
-class InspectedElsewhere : public InspectedSides {
+/// Two dents where they are simulated and where they are photographed: all tests share a folder,
+/// and what is found where the part has not moved.
+class InspectedElsewhere : public ::testing::Test {
  protected:
-  void SetUp() override {
-    write_file(folder_ / "scene.toml",
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    write_file(*folder_ / "scene.toml",
                edited(kDentedPlate,
                       {{"height_um = 100", "height_um = 400\nx_mm = [0, -5]\ny_mm = [0, 3]"}}));
     render("simulated", {"sensor.seed=1"});
     render("same", {"sensor.seed=2"});
   }
 
-  void render(const std::string& name, const std::vector<std::string>& sets) const {
+  static void TearDownTestSuite() {
+    folder_.reset();
+    in_place_.clear();
+  }
+
+  static void render(const std::string& name, const std::vector<std::string>& sets) {
     Arguments arguments = {"render", "scene.toml", "--quiet", "--out", name};
     for (const std::string& set : sets) {
       arguments.insert(arguments.end(), {"--set", set});
     }
-    const ProgramResult result = glint_in(folder_, arguments);
+    const ProgramResult result = glint_in(*folder_, arguments);
     ASSERT_EQ(result.code, 0) << result.err;
   }
 
-  Json inspection(const std::string& real, const std::string& outline) const {
-    const Json result = json_of(folder_,
+  static std::string out_of(const std::string& real) { return "out_" + real; }
+
+  static Json inspection(const std::string& real, const std::string& outline) {
+    const Json result = json_of(*folder_,
                                 {"compare",
                                  "simulated/baseline",
                                  real + "/baseline",
                                  "--outline",
                                  outline,
                                  "--out",
-                                 "out"});
+                                 out_of(real)});
     return result["pairs"][0]["inspection"];
   }
 
-  /// What both sides show is what they show where the part lies in one place.
-  void expect_as_in_place(const std::string& real, const std::string& outline) const {
-    const Json there = inspection(real, outline);
-    const Json in_place = inspection("same", outline);
+  /// What both sides show is what they show where the part lies in one place. @return it
+  static Json expect_as_in_place(const std::string& real, const std::string& outline) {
+    if (!in_place_.contains(outline)) {
+      in_place_[outline] = inspection("same", outline);
+    }
+    const Json& in_place = in_place_.at(outline);
+    Json there = inspection(real, outline);
     EXPECT_THAT(in_place["notes"].dump(), Not(HasSubstr("px from where")));
     EXPECT_THAT(there["notes"].dump(), HasSubstr("px from where the simulated picture has them"));
     for (const char* side : {"simulated", "real"}) {
@@ -102,26 +117,29 @@ class InspectedElsewhere : public InspectedSides {
             << there;
       }
     }
+    return there;
   }
+
+  inline static std::unique_ptr<TemporaryFolder> folder_;
+  inline static std::map<std::string, Json> in_place_;  ///< by outline
 };
 
 TEST_F(InspectedElsewhere, IsInspectedWhereItWasShiftedTo) {
   render("shifted", {"sensor.seed=3", "camera.center_x_px=67", "camera.center_y_px=41"});
   for (const char* outline : {"auto", "threshold"}) {
-    expect_as_in_place("shifted", outline);
-    const Json moved = inspection("shifted", outline)["moved"];
+    const Json moved = expect_as_in_place("shifted", outline)["moved"];
     EXPECT_NEAR(moved["shift_px"][0].get<double>(), 7.0, 0.1) << moved;
     EXPECT_NEAR(moved["shift_px"][1].get<double>(), -4.0, 0.1) << moved;
   }
   // The page shows the notes below what was found; names of variables are shortened there.
-  EXPECT_THAT(read_file(folder_ / "out/report.html"),
+  EXPECT_THAT(read_file(*folder_ / (out_of("shifted") + "/report.html")),
               ContainsRegex("Photograph: [^`]*`[)],[A-Za-z_$]+[.]notes[.]length>0"));
 }
 
 // Edges inside the pictures are looked for within 8 px, and have no silhouette.
 TEST_F(InspectedElsewhere, IsInspectedWhereInnerEdgesWereShiftedTo) {
-  render("shifted", {"sensor.seed=3", "camera.center_x_px=63", "camera.center_y_px=43"});
-  expect_as_in_place("shifted", "inner");
+  render("a_little", {"sensor.seed=3", "camera.center_x_px=63", "camera.center_y_px=43"});
+  expect_as_in_place("a_little", "inner");
 }
 
 // 0.195 mm to a pixel instead of 0.2: 1.0256 times as large.
@@ -132,8 +150,7 @@ TEST_F(InspectedElsewhere, IsInspectedWhereItWasTurnedTo) {
           "camera.object_pixel_mm=0.195",
           "part.rotation_deg=[0,0,4]"});
   for (const char* outline : {"auto", "threshold"}) {
-    expect_as_in_place("turned", outline);
-    const Json moved = inspection("turned", outline)["moved"];
+    const Json moved = expect_as_in_place("turned", outline)["moved"];
     EXPECT_NEAR(std::abs(moved["turn_deg"].get<double>()), 4.0, 0.2) << moved;
     EXPECT_NEAR(moved["scale"].get<double>(), 1.0256, 0.004) << moved;
     EXPECT_LT(moved["rest_px"].get<double>(), 0.2) << moved;

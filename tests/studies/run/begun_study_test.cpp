@@ -2,6 +2,7 @@
 //
 // What may change of a study whose run has begun: prototypes, wider limits and more choices.
 #include <filesystem>
+#include <map>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,8 +23,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 
-const std::string kBegun =
-    "schema = 1\nlighting_use = \"ring\"\n" + kPathPlate + kPathRing + kPathBar + R"(
+const std::string kBegun = "schema = 1\ntitle = \"Plate\"\nlighting_use = \"ring\"\n" + kPathPlate +
+                           kPathRing + kPathBar + R"(
 [variables]
 "lighting_use" = { choices = ["ring", "left"] }
 "lighting.ring.height_mm" = { min = 20, max = 40, when = "lighting_use == ring" }
@@ -49,6 +50,17 @@ Json run_in(const TemporaryFolder& folder, const std::string& text, bool verifie
                     .progress = Progress::Style::kNone,
                     .log_file = {},
                     .verify_replay = verifies});
+}
+
+/// A run of that text in its folder: a copy of one that is made once.
+void begin_in(const TemporaryFolder& folder, const std::string& text) {
+  static std::map<std::string, TemporaryFolder> made;
+  const auto [at, is_new] = made.try_emplace(text);
+  if (is_new) {
+    run_in(at->second, text);
+  }
+  std::filesystem::copy(
+      at->second / "run", folder / "run", std::filesystem::copy_options::recursive);
 }
 
 std::string refusal_in(const TemporaryFolder& folder, const std::string& text) {
@@ -89,7 +101,7 @@ std::ptrdiff_t epochs_in(const TemporaryFolder& folder) {
 
 TEST(BegunStudy, ANewPrototypeIsScoredWithoutAnEpoch) {
   const TemporaryFolder folder;
-  run_in(folder, kBegun);
+  begin_in(folder, kBegun);
   const std::vector<std::string> before = designs_in(folder, 12);
   const Json result = run_in(folder, kBegun + kPrototype);
   EXPECT_TRUE(result["prototypes"]["high"]["scores"].contains("defects.min_weber"));
@@ -100,7 +112,7 @@ TEST(BegunStudy, ANewPrototypeIsScoredWithoutAnEpoch) {
 
 TEST(BegunStudy, WiderLimitsAndMoreChoicesBeginAnEpochWithTheSameDesigns) {
   const TemporaryFolder folder;
-  run_in(folder, kBegun);
+  begin_in(folder, kBegun);
   const std::vector<std::string> before = designs_in(folder, 12);
   // Choices before the known ones: their numbers are others.
   const std::string wider = replaced(
@@ -132,7 +144,7 @@ TEST(BegunStudy, WiderLimitsAndMoreChoicesBeginAnEpochWithTheSameDesigns) {
 
 TEST(BegunStudy, NarrowerRangesAndOtherChangesAreRefusedWithTheReason) {
   const TemporaryFolder folder;
-  run_in(folder, kBegun);
+  begin_in(folder, kBegun);
   const auto refused = [&](const std::string& before, const std::string& after) {
     return refusal_in(folder, replaced(kBegun, before, after));
   };
@@ -152,7 +164,7 @@ TEST(BegunStudy, NarrowerRangesAndOtherChangesAreRefusedWithTheReason) {
 TEST(BegunStudy, AWiderRangeWhoseStepsHaveShiftedIsRefused) {
   const TemporaryFolder folder;
   const std::string stepped = replaced(kBegun, "max = 40,", "max = 40, step = 4,");
-  run_in(folder, stepped);
+  begin_in(folder, stepped);
   EXPECT_THAT(refusal_in(folder, replaced(stepped, "min = 20", "min = 18")),
               HasSubstr("steps count from min"));
   EXPECT_EQ(run_in(folder, replaced(stepped, "min = 20", "min = 16"))["evaluations"], 12);
@@ -163,7 +175,7 @@ TEST(BegunStudy, AWiderRangeWhoseStepsHaveShiftedIsRefused) {
 TEST(BegunStudy, ADesignBesideTheRunThatTheWiderSpaceDoesNotHoldChangesNothing) {
   const TemporaryFolder folder;
   const std::string stepped = replaced(kBegun, "max = 40,", "max = 40, step = 4,");
-  run_in(folder, stepped);
+  begin_in(folder, stepped);
   {
     Storage added = Storage::open(folder / "run" / kAddedDesigns, record_in(folder).identity());
     added.append(std::vector<Event>{{.kind = EventKind::kAsk, .trial = 1}},

@@ -53,6 +53,19 @@ std::vector<Trial> trials_in(const std::filesystem::path& out) {
 
 const std::string kNeeded = kThreeDesigns + "scores = \"needed\"\n";
 
+/// What a run of kNeeded has left, for tests that only read it: made once.
+struct NeededRun {
+  TemporaryFolder folder;
+  Json result = run_into(folder / "out", study_from(folder, kNeeded));
+
+  std::filesystem::path out() const { return folder / "out"; }
+};
+
+const NeededRun& needed_run() {
+  static const NeededRun run{};
+  return run;
+}
+
 TEST(NeededScores, KeyIsWrittenWhereItIsGivenAlone) {
   const TemporaryFolder folder;
   EXPECT_THAT(resolved_text(study_from(folder, kThreeDesigns)), Not(HasSubstr("scores = ")));
@@ -77,9 +90,9 @@ TEST(NeededScores, ChangesAreNeededWhereTheGoalOrAWishNamesThem) {
 TEST(NeededScores, OtherScoresAreTheSameBytesAndFinalistsHaveAll) {
   const TemporaryFolder folder;
   const Json all = run_into(folder / "all", study_from(folder, kThreeDesigns));
-  const Json needed = run_into(folder / "needed", study_from(folder, kNeeded));
+  const Json& needed = needed_run().result;
   const auto whole = trials_in(folder / "all");
-  const auto few = trials_in(folder / "needed");
+  const auto few = trials_in(needed_run().out());
   ASSERT_EQ(whole.size(), few.size());
   for (std::size_t i = 0; i < whole.size(); ++i) {
     EXPECT_EQ(whole[i].point, few[i].point);
@@ -88,19 +101,18 @@ TEST(NeededScores, OtherScoresAreTheSameBytesAndFinalistsHaveAll) {
     EXPECT_EQ(scores, few[i].outcome->scores);
   }
   EXPECT_EQ(needed.at("best").at("trial"), all.at("best").at("trial"));
-  const auto winner = [&](const char* out) {
-    return Json::parse(read_file(folder / out / "winner/scores.json")).at("scores");
+  const auto winner = [](const std::filesystem::path& out) {
+    return Json::parse(read_file(out / "winner/scores.json")).at("scores");
   };
-  EXPECT_TRUE(winner("needed").contains("defects.min_change"));
-  EXPECT_EQ(winner("needed"), winner("all"));
+  EXPECT_TRUE(winner(needed_run().out()).contains("defects.min_change"));
+  EXPECT_EQ(winner(needed_run().out()), winner(folder / "all"));
 }
 
 TEST(NeededScores, ALargerBudgetGoesOnToTheSameTrials) {
   const TemporaryFolder folder;
-  run_into(folder / "whole", study_from(folder, kNeeded));
   run_into(folder / "cut", study_from(folder, kNeeded, {{"budget.evaluations", "4"}}));
   run_into(folder / "cut", study_from(folder, kNeeded));
-  const auto whole = trials_in(folder / "whole");
+  const auto whole = trials_in(needed_run().out());
   const auto resumed = trials_in(folder / "cut");
   ASSERT_EQ(whole.size(), resumed.size());
   for (std::size_t i = 0; i < whole.size(); ++i) {

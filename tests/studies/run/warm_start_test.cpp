@@ -20,7 +20,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::string kFirst = "schema = 1\n" + kPathPlate + kPathRing + R"(
+const std::string kFirst = "schema = 1\ntitle = \"Plate\"\n" + kPathPlate + kPathRing + R"(
 [variables]
 "lighting.ring.height_mm" = { min = 20, max = 40 }
 "lighting.ring.radiance.0" = { min = 0.1, max = 0.2 }
@@ -57,13 +57,23 @@ std::filesystem::path run_into(const TemporaryFolder& folder,
   return folder / name;
 }
 
+/// The folder of a run of kFirst, a copy of one that is made once.
+std::filesystem::path first_in(const TemporaryFolder& folder, const std::string& name = "first") {
+  static const TemporaryFolder made;
+  if (!std::filesystem::exists(made / "first")) {
+    run_into(made, kFirst, "first");
+  }
+  std::filesystem::copy(made / "first", folder / name, std::filesystem::copy_options::recursive);
+  return folder / name;
+}
+
 std::vector<Trial> trials_of(const std::filesystem::path& run) {
   return Storage::read(run / "study.sqlite").trials(TrialKind::kSearch);
 }
 
 TEST(WarmStart, BeginsWithTheTrialsAndResumesWithoutTheOldFolder) {
   const TemporaryFolder folder;
-  const auto first = run_into(folder, kFirst, "first");
+  const auto first = first_in(folder);
   const auto whole = trials_of(run_into(folder, kWider, "whole", first));
   ASSERT_EQ(whole.size(), 20U);
   const auto old = trials_of(first);
@@ -88,7 +98,7 @@ TEST(WarmStart, BeginsWithTheTrialsAndResumesWithoutTheOldFolder) {
 
 TEST(WarmStart, LeavesOutWhatLiesOutside) {
   const TemporaryFolder folder;
-  const auto first = run_into(folder, kFirst, "first");
+  const auto first = first_in(folder);
   const Study narrow = study_from_text(
       folder,
       replaced(replaced(kFirst, "max = 40", "max = 30"), "evaluations = 12", "evaluations = 20"));
@@ -115,7 +125,7 @@ std::string refusal_of(const TemporaryFolder& folder,
 // Taken trials are evaluations: the budget must leave room beside them.
 TEST(WarmStart, RefusesABudgetThatLeavesNothingToSearch) {
   const TemporaryFolder folder;
-  const auto first = run_into(folder, kFirst, "first");
+  const auto first = first_in(folder);
   const auto budget = [](const std::string& text, int evaluations) {
     return replaced(text, "evaluations = 20", "evaluations = " + std::to_string(evaluations));
   };
@@ -165,7 +175,7 @@ TEST(WarmStart, TakesTrialsWhoseObjectivesAreWeighedOtherwise) {
 
 TEST(WarmStart, TellsThatAnotherProgramEvaluatedThem) {
   const TemporaryFolder folder;
-  const auto first = run_into(folder, kFirst, "first");
+  const auto first = first_in(folder);
   {
     Database database(first / "study.sqlite", Database::Access::kReadWrite);
     database.run("UPDATE study SET code_version = '0.1.0-old'");
@@ -178,7 +188,7 @@ TEST(WarmStart, TellsThatAnotherProgramEvaluatedThem) {
 
 TEST(WarmStart, RefusesWhatMeansSomethingElse) {
   const TemporaryFolder folder;
-  const auto first = run_into(folder, kFirst, "first");
+  const auto first = first_in(folder);
   const auto refused = [&](const std::string& text) {
     return refusal_of(folder, replaced(text, "evaluations = 12", "evaluations = 20"), first);
   };
@@ -203,8 +213,8 @@ TEST(WarmStart, RefusesWhatMeansSomethingElse) {
 // A refusal leaves the run as it was, also where the study would have widened its space.
 TEST(WarmStart, ARunThatHasBegunWithoutIsRefusedBeforeItsSpaceIsWidened) {
   const TemporaryFolder folder;
-  const auto first = run_into(folder, kFirst, "first");
-  const auto second = run_into(folder, kFirst, "second");
+  const auto first = first_in(folder);
+  const auto second = first_in(folder, "second");
   const std::string wider =
       replaced(replaced(kFirst, "max = 40", "max = 60"), "evaluations = 12", "evaluations = 20");
   try {

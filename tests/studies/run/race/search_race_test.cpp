@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
+#include <map>
 #include <set>
 #include <string>
 
@@ -39,6 +41,8 @@ noisy = true
 [budget]
 evaluations = 10
 )";
+
+const std::string kNoRace = kNoisyRing + "race = 0\n";
 
 Json run_noisy(const TemporaryFolder& folder,
                const std::string& name,
@@ -89,11 +93,29 @@ void expect_outcomes_kept(const Storage& storage, const Json& result) {
   EXPECT_EQ(result.at("race").at("evaluations"), raced);
 }
 
+/// What a run has left, for tests that only read it.
+struct NoisyRun {
+  TemporaryFolder folder;
+  Json result = {};
+
+  std::filesystem::path out() const { return folder / "out"; }
+};
+
+/// Of that text, made once.
+const NoisyRun& noisy_run(const std::string& text = kNoisyRing) {
+  static std::map<std::string, NoisyRun> made;
+  const auto [at, is_new] = made.try_emplace(text);
+  if (is_new) {
+    at->second.result = run_noisy(at->second.folder, "out", text);
+  }
+  return at->second;
+}
+
 /// The limit is of a score that noise does not move and that no scan of a winner repeats.
 TEST(SearchRace, ChoosesTheWinnerOfANoisySearch) {
-  const TemporaryFolder folder;
-  const Json result = run_noisy(
-      folder, "out", kNoisyRing + "[constraints]\n\"lighting.width_mm\" = { max = 1000 }\n");
+  const NoisyRun& run =
+      noisy_run(kNoisyRing + "[constraints]\n\"lighting.width_mm\" = { max = 1000 }\n");
+  const Json& result = run.result;
   const Json& race = result.at("race");
   EXPECT_EQ(race.at("finalists"), 2);
   double sum = 0.0;
@@ -119,7 +141,7 @@ TEST(SearchRace, ChoosesTheWinnerOfANoisySearch) {
   EXPECT_EQ(result.at("best").at("feasible"), true);
   EXPECT_THAT(result.at("verdict").at("sentence").get<std::string>(),
               HasSubstr("By its replicates it keeps the constraint with a probability of 100 %."));
-  const Storage storage = Storage::read(folder / "out/study.sqlite");
+  const Storage storage = Storage::read(run.out() / "study.sqlite");
   EXPECT_EQ(race.at("evaluations"), storage.trials(TrialKind::kReplicate).size());
   expect_outcomes_kept(storage, result);
   ASSERT_EQ(result.at("probability_best").size(), race.at("entrants").size());
@@ -131,15 +153,13 @@ TEST(SearchRace, ChoosesTheWinnerOfANoisySearch) {
 
 // As `glint check` predicts it: 10 evaluations are the search, all those of the race are not.
 TEST(SearchRace, CountsAsRescoring) {
-  const TemporaryFolder folder;
-  const auto search_s = [&](const std::string& name, const std::string& text) {
-    run_noisy(folder, name, text);
-    return Json::parse(read_file(folder / name / "run.json"))
+  const auto search_s = [](const std::string& text) {
+    return Json::parse(read_file(noisy_run(text).out() / "run.json"))
         .at("cpu_s")
         .at("search")
         .get<double>();
   };
-  EXPECT_LT(search_s("race", kNoisyRing), 2.0 * search_s("none", kNoisyRing + "race = 0\n"));
+  EXPECT_LT(search_s(kNoisyRing), 2.0 * search_s(kNoRace));
 }
 
 TEST(SearchRace, IsPredictedWhereThereIsOne) {
@@ -152,9 +172,8 @@ TEST(SearchRace, IsPredictedWhereThereIsOne) {
 }
 
 TEST(SearchRace, IsToldByTheReport) {
-  const TemporaryFolder folder;
-  const Json result = run_noisy(folder, "out");
-  const Json data = report_data({folder / "out"});
+  const Json& result = noisy_run().result;
+  const Json data = report_data({noisy_run().out()});
   const auto panel = std::ranges::find(
       data.at("panels"), Json("noise"), [](const Json& one) { return one.at("id"); });
   ASSERT_NE(panel, data.at("panels").end());
@@ -169,7 +188,7 @@ TEST(SearchRace, IsToldByTheReport) {
 
 TEST(SearchRace, IsLeftOutWithoutNoiseOrWhereItIsNotWanted) {
   const TemporaryFolder folder;
-  EXPECT_FALSE(run_noisy(folder, "none", kNoisyRing + "race = 0\n").contains("race"));
+  EXPECT_FALSE(noisy_run(kNoRace).result.contains("race"));
   std::string calm = kNoisyRing;
   calm.replace(calm.find("noisy = true"), 12, "noisy = false");
   EXPECT_FALSE(run_noisy(folder, "calm", calm).contains("race"));

@@ -2,6 +2,7 @@
 //
 // `glint explain`: keys, scores, tables, schema.
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -19,6 +20,11 @@ using Json = nlohmann::json;
 
 using ::testing::HasSubstr;
 
+/// Whether all calls of a kind are tried, or some: cli_long asks for all.
+bool tries_all_calls() {
+  return std::getenv("GLINT_ALL_CALLS") != nullptr;
+}
+
 TEST(Explain, KnowsEveryKeyOfTheKeyTable) {
   const TemporaryFolder folder;
   std::vector<KeyRow> rows = scene_keys();
@@ -30,7 +36,11 @@ TEST(Explain, KnowsEveryKeyOfTheKeyTable) {
     EXPECT_NE(row.doc, "") << row.path;
   }
   EXPECT_GT(families.size(), 25U);
+  int family_index = 0;
   for (const auto& [family, paths] : families) {
+    if (family_index++ % 4 != 0 && !tries_all_calls()) {
+      continue;
+    }
     std::set<std::string> found;
     const Json json = json_of(folder, {"explain", family});
     for (const Json& row : json["found"]) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 
 #include "tests/cli/program.h"
 
@@ -48,11 +49,21 @@ bool has_program(const std::string& name) {
   return std::system(("command -v " + name + " > /dev/null 2>&1").c_str()) == 0;
 }
 
-TEST(Help, OfEveryVerbShowsAnExample) {
+/// What the program does when it is asked for help: it is called once, whichever tests ask.
+const ProgramResult& told_by(const Arguments& arguments) {
+  static std::map<Arguments, ProgramResult> known;
+  const auto found = known.find(arguments);
+  if (found != known.end()) {
+    return found->second;
+  }
   const TemporaryFolder folder;
+  return known.emplace(arguments, glint_in(folder, arguments)).first->second;
+}
+
+TEST(Help, OfEveryVerbShowsAnExample) {
   for (const std::string verb :
        {"run", "check", "render", "frontier", "report", "part", "explain", "new"}) {
-    const ProgramResult help = glint_in(folder, {verb, "--help"});
+    const ProgramResult& help = told_by({verb, "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_EQ(help.err, "");
     EXPECT_THAT(help.out, HasSubstr("Example:\n  glint " + verb + " "));
@@ -64,7 +75,7 @@ TEST(Help, OfEveryVerbShowsAnExample) {
 
 TEST(Help, OfTheProgramNamesTheVerbsAndItsVersion) {
   const TemporaryFolder folder;
-  const ProgramResult help = glint_in(folder, {"--help"});
+  const ProgramResult& help = told_by({"--help"});
   EXPECT_EQ(help.code, 0);
   for (const std::string verb :
        {"run", "check", "render", "frontier", "report", "part", "explain", "new"}) {
@@ -83,24 +94,22 @@ TEST(Help, OfTheProgramNamesTheVerbsAndItsVersion) {
 }
 
 TEST(Help, AsAVerbIsTheSameText) {
-  const TemporaryFolder folder;
-  EXPECT_EQ(glint_in(folder, {"help"}).out, glint_in(folder, {"--help"}).out);
+  EXPECT_EQ(told_by({"help"}).out, told_by({"--help"}).out);
   for (const std::string& verb : kVerbs) {
-    const ProgramResult help = glint_in(folder, {"help", verb});
+    const ProgramResult& help = told_by({"help", verb});
     EXPECT_EQ(help.code, 0);
-    EXPECT_EQ(help.out, glint_in(folder, {verb, "--help"}).out) << verb;
+    EXPECT_EQ(help.out, told_by({verb, "--help"}).out) << verb;
     EXPECT_THAT(help.out, HasSubstr("Usage: glint " + verb)) << verb;
   }
-  const ProgramResult unknown = glint_in(folder, {"help", "rum"});
+  const ProgramResult& unknown = told_by({"help", "rum"});
   EXPECT_EQ(unknown.code, 2);
   EXPECT_EQ(unknown.err, "glint rum: no such verb, the nearest is run\n");
 }
 
 // No raw types of the parser: TEXT, INT:INT in [1 - 1024]=2, REQUIRED.
 TEST(Help, IsReadable) {
-  const TemporaryFolder folder;
   for (const std::string& verb : kVerbs) {
-    const std::string help = glint_in(folder, {"help", verb}).out;
+    const std::string help = told_by({"help", verb}).out;
     for (const std::string raw : {"TEXT", "INT", "REQUIRED", "FLOAT", "PATH"}) {
       EXPECT_THAT(help, Not(HasSubstr(raw))) << verb;
     }
@@ -113,11 +122,11 @@ TEST(Help, IsReadable) {
     }
     EXPECT_LE(longest, 100U) << help;
   }
-  const std::string run = glint_in(folder, {"help", "run"}).out;
+  const std::string run = told_by({"help", "run"}).out;
   EXPECT_THAT(run, HasSubstr("  --set KEY=VALUE "));
   EXPECT_THAT(run, HasSubstr("(may be repeated)"));
   EXPECT_THAT(run, ::testing::ContainsRegex("--threads N +threads to use \\(1 to 1024; default "));
-  EXPECT_THAT(glint_in(folder, {"help", "imprint"}).out, HasSubstr("glint imprint SCENE.toml"));
+  EXPECT_THAT(told_by({"help", "imprint"}).out, HasSubstr("glint imprint SCENE.toml"));
 }
 
 TEST(ManPage, OfEveryVerbFormatsWithoutAWarning) {

@@ -265,14 +265,6 @@ TEST(New, WritesAStudyThatChecks) {
   EXPECT_EQ(checked["name"], "plate");
 }
 
-TEST(New, PrintsOneJsonObjectWithoutAFileToWrite) {
-  const TemporaryFolder folder;
-  write_file(folder / "plate.stl", rectangle_stl(60, 20));
-  const Json json = json_of(folder, {"new", "plate.stl", "--working_distance_mm", "300"});
-  EXPECT_THAT(json["text"].get<std::string>(), HasSubstr("[lighting.tunnel]"));
-  EXPECT_EQ(folder.count(), 1);
-}
-
 TEST(LogOption, AlsoWritesTheLogThere) {
   const TemporaryFolder folder;
   write_file(folder / "study.toml", small_study());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `glint validate` on pictures that are there: what it tells, and its exit codes.
+#include <filesystem>
+#include <memory>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -17,12 +19,20 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
+/// Each test has a copy of one run.
 class Validate : public testing::Test {
  protected:
-  void SetUp() override {
-    write_file(folder_ / "study.toml", kRingOrBar + "[validate]\ndesigns = \"bar\"\n");
-    const ProgramResult run = glint_in(folder_, {"run", "study.toml", "--quiet", "--out", "run"});
+  static void SetUpTestSuite() {
+    made_ = std::make_unique<TemporaryFolder>();
+    write_file(*made_ / "study.toml", kRingOrBar + "[validate]\ndesigns = \"bar\"\n");
+    const ProgramResult run = glint_in(*made_, {"run", "study.toml", "--quiet", "--out", "run"});
     ASSERT_EQ(run.code, 0) << run.err;
+  }
+
+  static void TearDownTestSuite() { made_.reset(); }
+
+  void SetUp() override {
+    std::filesystem::copy(made_->path(), folder_.path(), std::filesystem::copy_options::recursive);
   }
 
   /// Photographs whose exposure is so many times that of the design.
@@ -47,6 +57,9 @@ class Validate : public testing::Test {
   }
 
   TemporaryFolder folder_;
+
+ private:
+  inline static std::unique_ptr<TemporaryFolder> made_;
 };
 
 TEST_F(Validate, AgreesWithExitCodeZero) {

@@ -94,8 +94,8 @@ TEST_F(OutputError, FoldersOfFilesAreMade) {
   EXPECT_TRUE(fs::exists(folder_ / "c/d/part.ply"));
   EXPECT_TRUE(fs::exists(folder_ / "e/page.html"));
   EXPECT_TRUE(fs::exists(folder_ / "f/journal.log"));
-  const ProgramResult check = glint_in(folder_, {"check", "a/b/new.toml"});
-  EXPECT_EQ(check.code, 0) << check.err;
+  const ProgramResult part = glint_in(folder_, {"part", "a/b/new.toml"});
+  EXPECT_EQ(part.code, 0) << "the study finds its part: " << part.err;
 }
 
 TEST_F(OutputError, FullStandardOutput) {

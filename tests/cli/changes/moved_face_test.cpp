@@ -3,6 +3,7 @@
 // A part one face of which is not where it should be: `glint compare` names the edges of that face
 // and no others.
 #include <array>
+#include <memory>
 
 #include "core/config/toml.h"
 #include "core/file.h"
@@ -81,18 +82,23 @@ samples = 64
 max_reflections = 1
 )";
 
+/// All tests share a folder with the picture of the block, a.
 class MovedFace : public ::testing::Test {
  protected:
   static constexpr double kMoved_mm = 0.3;
 
-  void SetUp() override {
-    write_file(folder_ / "block.stl", block_stl(8.0));
-    write_file(folder_ / "moved.stl", block_stl(8.0 + kMoved_mm));
-    write_file(folder_ / "scene.toml", kScene);
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    write_file(*folder_ / "block.stl", block_stl(8.0));
+    write_file(*folder_ / "moved.stl", block_stl(8.0 + kMoved_mm));
+    write_file(*folder_ / "scene.toml", kScene);
+    render("block.stl", "1", "a");
   }
 
-  void render(const std::string& part, const std::string& seed, const std::string& out) const {
-    const ProgramResult result = glint_in(folder_,
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static void render(const std::string& part, const std::string& seed, const std::string& out) {
+    const ProgramResult result = glint_in(*folder_,
                                           {"render",
                                            "scene.toml",
                                            "--quiet",
@@ -111,7 +117,7 @@ class MovedFace : public ::testing::Test {
   /// mean over its 16 mm. Heights count from the middle of the part.
   double moved_px(double z_mm) const {
     std::vector<Problem> errors;
-    const SceneSettings scene = read_scene(load_toml(folder_ / "a/baseline/scene.toml"), errors);
+    const SceneSettings scene = read_scene(load_toml(*folder_ / "a/baseline/scene.toml"), errors);
     throw_if_any(errors);
     const PinholeCamera camera(intrinsics_of(scene));
     const RigidTransform pose = camera_from_world(scene.viewpoint());
@@ -127,14 +133,13 @@ class MovedFace : public ::testing::Test {
     return sum;
   }
 
-  TemporaryFolder folder_;
+  inline static std::unique_ptr<TemporaryFolder> folder_;
 };
 
 TEST_F(MovedFace, IsNamedByItsEdges) {
-  render("block.stl", "1", "a");
   render("moved.stl", "2", "b");
   const nlohmann::json pair =
-      json_of(folder_, {"compare", "a", "b", "--quiet", "--out", "out"})["pairs"][0];
+      json_of(*folder_, {"compare", "a", "b", "--quiet", "--out", "out"})["pairs"][0];
   int moved = 0;
   int still = 0;
   for (const nlohmann::json& edge : pair["edges"]) {
@@ -167,9 +172,8 @@ TEST_F(MovedFace, IsNamedByItsEdges) {
 
 // The same picture twice: every edge is where it is.
 TEST_F(MovedFace, IsNotThereInEqualPictures) {
-  render("block.stl", "1", "a");
   const nlohmann::json pair =
-      json_of(folder_, {"compare", "a", "a", "--quiet", "--out", "out"})["pairs"][0];
+      json_of(*folder_, {"compare", "a", "a", "--quiet", "--out", "same"})["pairs"][0];
   EXPECT_GE(pair["edges"].size(), 9U);
   for (const nlohmann::json& edge : pair["edges"]) {
     EXPECT_EQ(edge["mean_px"].get<double>(), 0.0) << edge;

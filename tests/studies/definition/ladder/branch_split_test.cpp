@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "studies/definition/ladder/branch_split.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace glint {
+namespace {
+
+using ::testing::ElementsAre;
+
+const char* const kLitPlate = R"(schema = 1
+[part]
+shape = "plate"
+length_mm = 12
+width_mm = 8
+thickness_mm = 1
+[camera]
+width_px = 48
+height_px = 32
+object_pixel_mm = 0.2
+working_distance_mm = 100
+[render.paths]
+samples = 16
+max_reflections = 1
+[lighting.tunnel]
+radius_mm = 60
+length_mm = 300
+slot_mm = 8
+[lighting.ring]
+inner_radius_mm = 15
+outer_radius_mm = 25
+height_mm = 30
+[lighting.wide]
+type = "ring"
+inner_radius_mm = 30
+outer_radius_mm = 40
+height_mm = 30
+[objective]
+maximise = "homogeneity.mean"
+[budget]
+evaluations = 20
+[accuracy]
+tolerance = "auto"
+)";
+
+/// @param variables  lines of that table; a second one, sensor.bits, comes first
+Study study_with(const std::string& variables) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml",
+             std::string(kLitPlate) + "[variables]\n\"sensor.bits\" = { min = 8, max = 10 }\n" +
+                 variables);
+  return load_study(folder / "study.toml", {});
+}
+
+// Under the tunnel the plate is a mirror with closed forms, under a ring its light is sampled.
+TEST(BranchSplit, IsTheChoiceThatChangesHowTheSceneIsRendered) {
+  const Study study = study_with("lighting_use = { choices = [\"tunnel\", \"ring\", \"wide\"] }\n");
+  const auto split = branch_split(study);
+  ASSERT_TRUE(split.has_value());
+  EXPECT_EQ(split->variable, 1U);
+  EXPECT_EQ(split->name, "lighting_use");
+  EXPECT_THAT(split->values, ElementsAre("tunnel", "ring", "wide"));
+  EXPECT_EQ(split->branch_of({9.0, 2.0}), 2U);
+  EXPECT_EQ(split->branch_of({9.0, 0.0, 0.1}), 0U) << "with what building adds behind it";
+  EXPECT_EQ(split->label(1), "lighting_use = ring");
+  EXPECT_THAT(baseline_of(study, *split, 2), ElementsAre(baseline_point(study)[0], 2.0));
+}
+
+TEST(BranchSplit, IsNoChoiceAmongScenesOfOneKind) {
+  EXPECT_FALSE(branch_split(study_with("lighting_use = { choices = [\"ring\", \"wide\"] }\n")));
+  EXPECT_FALSE(branch_split(study_with("")));
+}
+
+// While it is inactive a design has the file's light, whatever its point says.
+TEST(BranchSplit, IsNoChoiceWithACondition) {
+  EXPECT_FALSE(branch_split(
+      study_with("lighting_use = { choices = [\"tunnel\", \"ring\"], when = \"sensor.bits == 8\" "
+                 "}\n")));
+}
+
+TEST(BranchSplit, PrototypesBelongWhereTheirValueDoes) {
+  const Study study = study_with("lighting_use = { choices = [\"tunnel\", \"ring\"] }\n");
+  const BranchSplit split = *branch_split(study);
+  const auto with = [](const std::string& light) {
+    return Overrides{{"lighting_use", ConfigNode::from_text(light)}};
+  };
+  EXPECT_EQ(branch_of(study, split, with("tunnel")), 0U);
+  EXPECT_EQ(branch_of(study, split, with("ring")), 1U);
+  EXPECT_FALSE(branch_of(study, split, with("wide")));
+  EXPECT_FALSE(branch_of(study, split, {})) << "the file lets all of them shine";
+}
+
+TEST(SearchRungs, AreNamedByTheValuesOfTheChoice) {
+  RenderRung coarse;
+  coarse.name = "8 samples";
+  RenderRung fine;
+  fine.name = "16 samples";
+  EXPECT_EQ((SearchRungs{.split = {}, .rungs = {coarse}}.name()), "8 samples");
+  const BranchSplit split = {.variable = 0, .name = "lighting_use", .values = {"bar", "ring"}};
+  const SearchRungs two = {.split = split, .rungs = {coarse, fine}};
+  EXPECT_EQ(two.name(), "bar: 8 samples; ring: 16 samples");
+  EXPECT_EQ(two.of({1.0}).name, "16 samples");
+}
+
+}  // namespace
+}  // namespace glint

@@ -17,7 +17,7 @@
 #include "cli/shell/interrupts.h"
 #include "cli/shell/scores_text.h"
 #include "core/text.h"
-#include "studies/accuracy/accuracy_report.h"
+#include "studies/accuracy/accuracy_panel.h"
 #include "studies/calibration_trial/trial_run.h"
 #include "studies/cell/cell_file.h"
 #include "studies/population/population_report.h"

@@ -90,7 +90,14 @@ std::string number_text(int number) {
   return number == 0 ? "none" : std::to_string(number);
 }
 
-Json during_json(const AccuracyCheck& check) {
+/// The value of a design's branch, where there are some. @param json  of the design
+void add_branch(const ChosenAccuracy& chosen, const CheckedDesign& design, Json& json) {
+  if (chosen.split) {
+    json["branch"] = chosen.split->values[design.branch];
+  }
+}
+
+Json during_json(const ChosenAccuracy& chosen, const AccuracyCheck& check) {
   Json designs = Json::array();
   for (const CheckedDesign& design : check.during) {
     designs.push_back({{"trial", design.trial},
@@ -98,6 +105,7 @@ Json during_json(const AccuracyCheck& check) {
                        {"rung", design.rung},
                        {"beyond", design.beyond},
                        {"wider", design.wider}});
+    add_branch(chosen, design, designs.back());
   }
   return {{"checked", check.during.size()},
           {"beyond", count_beyond(check.during)},
@@ -127,6 +135,17 @@ std::string top_text(const AccuracyCheck& check) {
                      number_text(count_beyond(check.designs)));
 }
 
+/// By which designs were checked, each once.
+std::vector<std::string> rungs_of(const std::vector<CheckedDesign>& designs) {
+  std::vector<std::string> rungs;
+  for (const CheckedDesign& design : designs) {
+    if (std::ranges::find(rungs, design.rung) == rungs.end()) {
+      rungs.push_back(design.rung);
+    }
+  }
+  return rungs;
+}
+
 std::string check_text(const AccuracyCheck& check, double share) {
   std::vector<std::string> parts;
   for (const EndedEpoch& epoch : check.ended) {
@@ -138,7 +157,7 @@ std::string check_text(const AccuracyCheck& check, double share) {
                     "bounds.",
                     check.during.size(),
                     check.during.size() == 1 ? " was" : "s were",
-                    check.during.front().rung,
+                    join(rungs_of(check.during), "\" or \""),
                     number_text(count_beyond(check.during))));
   }
   if (!check.designs.empty()) {
@@ -170,6 +189,22 @@ std::string race_text(const AccuracyCheck& check) {
                      : std::string();
 }
 
+/// Whether a dearer rung than that of the search or branch is there to compare with.
+bool can_be_compared(const ChosenAccuracy& part) {
+  return part.choice.problem.empty() && part.choice.step + 1 < part.ladder.size();
+}
+
+/// What checks may take: kCheckShare of the counted work of all trials at their rungs.
+double allowed_work(const ChosenAccuracy& chosen, const std::vector<Trial>& trials) {
+  double work = 0.0;
+  for (std::size_t i = 0; i < chosen.parts().size(); ++i) {
+    const auto count = std::ranges::count_if(
+        trials, [&](const Trial& trial) { return chosen.index_of(trial.point) == i; });
+    work += kCheckShare * chosen.parts()[i].rung().work * static_cast<double>(count);
+  }
+  return work;
+}
+
 }  // namespace
 
 AccuracyCheck check_search(const AccuracyTask& task,
@@ -179,18 +214,25 @@ AccuracyCheck check_search(const AccuracyTask& task,
                            const SearchReview& review) {
   AccuracyCheck result = {
       .during = review.checked(), .during_work = review.work(), .ended = review.ended()};
-  if (!chosen.choice.problem.empty() || chosen.choice.step + 1 == chosen.ladder.size()) {
-    return result;  // there is nothing to compare with
+  if (std::ranges::none_of(chosen.parts(), can_be_compared)) {
+    return result;
   }
-  const double allowed =
-      kCheckShare * chosen.rung().work * static_cast<double>(trials.size()) - review.work();
+  const double allowed = allowed_work(chosen, trials) - review.work();
   for (const auto& [trial, is_finalist] : interleaved(order_of(task.study, trials))) {
-    if (!result.designs.empty() && result.work + chosen.top().work > allowed) {
+    const ChosenAccuracy& part = chosen.of(trial->point);
+    const bool is_there = part.choice.step + 1 == part.ladder.size();
+    if (is_there && !is_finalist) {
+      continue;
+    }
+    const double work = is_there ? 0.0 : part.top().work;
+    if (!result.designs.empty() && result.work + work > allowed) {
       break;
     }
-    const Outcome top = recorded_trial(task, record, *trial, chosen.top());
-    (result.designs.empty() ? result.finalist_work : result.work) += chosen.top().work;
-    result.designs.push_back(compared(chosen, *trial, is_finalist, chosen.top(), top));
+    const Outcome top =
+        is_there ? *trial->outcome : recorded_trial(task, record, *trial, part.top());
+    (result.designs.empty() ? result.finalist_work : result.work) += work;
+    result.designs.push_back(compared(part, *trial, is_finalist, part.top(), top));
+    result.designs.back().branch = chosen.index_of(trial->point);
   }
   result.winner = best_at_top(task.study, result.designs);
   return result;
@@ -218,7 +260,8 @@ Json check_json(const ChosenAccuracy& chosen, const AccuracyCheck& check, int ev
   Json designs = Json::array();
   for (const CheckedDesign& design : check.designs) {
     Json top = Json::object();
-    for (const ScoreBound& bound : chosen.choice.steps[chosen.choice.step].bounds) {
+    const LadderChoice& choice = chosen.parts()[design.branch].choice;
+    for (const ScoreBound& bound : choice.steps[choice.step].bounds) {
       const auto found = design.dearer.scores.find(bound.score);
       top[bound.score] = found != design.dearer.scores.end() ? Json(found->second) : Json(nullptr);
     }
@@ -227,9 +270,10 @@ Json check_json(const ChosenAccuracy& chosen, const AccuracyCheck& check, int ev
                        {"beyond", design.beyond},
                        {"wider", design.wider},
                        {"top", top}});
+    add_branch(chosen, design, designs.back());
   }
   double work = check.work + check.during_work;
-  double search = chosen.rung().work * std::max(1, evaluations);
+  double search = chosen.evaluation_work() * std::max(1, evaluations);
   for (const EndedEpoch& epoch : check.ended) {
     work += epoch.check_work;
     search += epoch.search_work;
@@ -242,7 +286,7 @@ Json check_json(const ChosenAccuracy& chosen, const AccuracyCheck& check, int ev
           {"designs", designs},
           {"winner", check.winner ? Json(*check.winner) : Json(nullptr)},
           {"raced", check.raced ? Json(*check.raced) : Json(nullptr)},
-          {"during", during_json(check)},
+          {"during", during_json(chosen, check)},
           {"epochs", epochs_json(check)},
           {"sentence", check_text(check, work / search) + race_text(check)}};
 }

@@ -31,7 +31,8 @@ struct AccuracyCheck {
 /// the checks during the search, the designs that were the best before it, newest first, and one at
 /// random after each two of them.
 /// With the search's own random numbers. Several objectives have no winner: their designs are drawn
-/// at random. What is recorded is not evaluated again.
+/// at random. What is recorded is not evaluated again. A finalist of a branch that the search
+/// renders by the top stands there as the search has it.
 /// @throws EvaluationAborted, IoError
 AccuracyCheck check_search(const AccuracyTask& task,
                            AccuracyRecord& record,
@@ -52,7 +53,7 @@ bool adopt_winner(const Study& study,
 ///   winner: trial or null,
 ///   during: { checked, beyond, work, designs: [ { trial, finalist, rung, beyond, wider } ] },
 ///   epochs: [ { trial, rung, evaluations, check_work, search_work, sentence } ] that ended,
-///   sentence }
+///   sentence }, with the value of its branch for each design where there are some
 nlohmann::ordered_json check_json(const ChosenAccuracy& chosen,
                                   const AccuracyCheck& check,
                                   int evaluations);

@@ -49,12 +49,12 @@ void AccuracyRecord::check_rules(bool is_begun) const {
     return;
   }
   const double rules = noted ? noted->value : 1.0;
-  if (rules > kAccuracyRules) {
+  if (rules > kBranchRules) {
     throw ConfigError(
         fmt::format("this study was begun by a newer Glint (accuracy rules {:g}, this program "
                     "knows {})",
                     rules,
-                    kAccuracyRules));
+                    kBranchRules));
   }
   if (rules < kAccuracyRules) {
     throw ConfigError(fmt::format(
@@ -67,14 +67,14 @@ void AccuracyRecord::check_rules(bool is_begun) const {
   }
 }
 
-void AccuracyRecord::begin_search(const std::string& rung) {
+void AccuracyRecord::begin_search(const std::string& rung, int rules) {
   if (storage_ == nullptr) {
     return;
   }
   const std::optional<Event> noted = begun();
   if (!noted) {
     storage_->append(std::vector<Event>{
-        {.kind = EventKind::kRules, .value = static_cast<double>(kAccuracyRules), .text = rung}});
+        {.kind = EventKind::kRules, .value = static_cast<double>(rules), .text = rung}});
   } else if (noted->text != rung) {
     throw ConfigError(fmt::format(
         "this study cannot be resumed: its search began with \"{}\" and would now begin with "
@@ -87,6 +87,11 @@ void AccuracyRecord::begin_search(const std::string& rung) {
 std::optional<std::string> AccuracyRecord::begun_rung() const {
   const std::optional<Event> noted = begun();
   return noted ? std::optional(noted->text) : std::nullopt;
+}
+
+std::optional<int> AccuracyRecord::begun_rules() const {
+  const std::optional<Event> noted = begun();
+  return noted ? std::optional(static_cast<int>(noted->value)) : std::nullopt;
 }
 
 const Outcome* AccuracyRecord::find(const std::string& rung, const std::string& design) const {

@@ -18,6 +18,9 @@ namespace glint {
 /// Of how a rung is chosen from evaluations of the ladder, and when it is raised; a run keeps those
 /// that it was begun by. 1: bounds without the top's own bias, no epochs; kept nothing of itself.
 inline constexpr int kAccuracyRules = 2;
+/// The same of a search with a rung for each branch, where a choice changes the scene's kind; begun
+/// by rules 2 such a search has one rung for all designs, and goes on so.
+inline constexpr int kBranchRules = 3;
 
 /// After the name of a rung: its scores without the mean errors of an epoch that has ended.
 inline constexpr std::string_view kCorrected = ", corrected";
@@ -34,18 +37,23 @@ class AccuracyRecord {
   /// @throws IoError
   explicit AccuracyRecord(Storage* storage);
 
-  /// Refuses a search that has been begun by other rules than kAccuracyRules: its rung would not be
-  /// chosen again, and scores of two rungs would be mixed.
+  /// Refuses a search that has been begun by rules before kAccuracyRules, or after kBranchRules:
+  /// its rung would not be chosen again, and scores of two rungs would be mixed.
   /// @param is_begun  the search has asked for designs
   /// @throws ConfigError
   void check_rules(bool is_begun) const;
 
   /// Notes the rung that a search begins with, before it asks for anything; compares it when
-  /// resumed. @throws ConfigError when it was another one; IoError
-  void begin_search(const std::string& rung);
+  /// resumed.
+  /// @param rung   its name, or SearchRungs::name() of several
+  /// @param rules  kAccuracyRules, or kBranchRules of several
+  /// @throws ConfigError when it was another one; IoError
+  void begin_search(const std::string& rung, int rules = kAccuracyRules);
 
   /// The rung that begin_search() noted in an earlier run; empty: none did.
   std::optional<std::string> begun_rung() const;
+  /// And by which rules.
+  std::optional<int> begun_rules() const;
 
   /// Stays where it is. nullptr: not known
   const Outcome* find(const std::string& rung, const std::string& design) const;

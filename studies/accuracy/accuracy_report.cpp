@@ -1,28 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/accuracy/accuracy_report.h"
 
-#include <algorithm>
-#include <cmath>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
+#include "studies/accuracy/error_text.h"
 #include "studies/definition/accuracy_table.h"
-#include "studies/report/report_wording.h"
 #include "studies/report/score_words.h"
 
 namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using report_detail::measured;
-
-/// Of a difference: shares are read in points.
-std::string value_text(const std::string& score, double value) {
-  return (value < 0.0 ? "\u2212" : "") +
-         report_detail::Wording::of_score(score).size(std::abs(value));
-}
+using report_detail::error_text;
 
 Json tolerance_json(const AccuracySettings& wish) {
   if (wish.is_auto) {
@@ -93,9 +87,9 @@ Json rungs_json(const ChosenAccuracy& chosen) {
   return list;
 }
 
-std::string order_text(const StepReport& step) {
+std::string order_text(const std::vector<OrderOf>& orders) {
   std::vector<std::string> parts;
-  for (const OrderOf& order : step.orders) {
+  for (const OrderOf& order : orders) {
     const RankAgreement& agreement = order.agreement;
     parts.push_back(fmt::format("{}: Kendall's tau {:.2f} over {} pairs, {}",
                                 report_detail::score_label(order.objective),
@@ -113,35 +107,42 @@ std::string bounds_text(const StepReport& step) {
   for (const ScoreBound& bound : step.bounds) {
     parts.push_back(fmt::format("{} within {}, {} allowed",
                                 report_detail::score_label(bound.score),
-                                value_text(bound.score, bound.bound),
-                                value_text(bound.score, bound.tolerance)));
+                                error_text(bound.score, bound.bound),
+                                error_text(bound.score, bound.tolerance)));
   }
   return join(parts, "; ");
 }
 
-std::vector<std::string> reasons(const Study& study, const ChosenAccuracy& chosen) {
+/// "The search is rendered by ..."
+std::string rendered_text(const ChosenAccuracy& chosen) {
+  return chosen.label.empty()
+             ? fmt::format("The search is rendered by \"{}\"", chosen.rung().name)
+             : fmt::format(
+                   "Designs with {} are rendered by \"{}\"", chosen.label, chosen.rung().name);
+}
+
+/// @param chosen  of the search or, with tolerances, of a branch
+std::string reason(const Study& study, const ChosenAccuracy& chosen) {
   const LadderChoice& choice = chosen.choice;
   const StepReport& step = choice.steps[choice.step];
-  const std::string& name = chosen.rung().name;
+  const std::string rendered = rendered_text(chosen);
+  const char* who = chosen.label.empty() ? "it" : "the search";
   if (!choice.problem.empty()) {
-    return {fmt::format("The search is rendered by \"{}\", the dearest way that it may use: {}.",
-                        name,
-                        choice.problem)};
+    return fmt::format("{}, the dearest way that {} may use: {}.", rendered, who, choice.problem);
   }
   if (!choice.is_reached) {
-    return {
-        fmt::format("The search is rendered by \"{}\", the dearest way that it may use, and not "
-                    "as exactly as asked for: {}.",
-                    name,
-                    join(choice.unreached, "; "))};
+    return fmt::format("{}, the dearest way that {} may use, and not as exactly as asked for: {}.",
+                       rendered,
+                       who,
+                       join(choice.unreached, "; "));
   }
-  return {fmt::format(
-      "The search is rendered by \"{}\", the cheapest way that {} ({}).",
-      name,
+  return fmt::format(
+      "{}, the cheapest way that {} ({}).",
+      rendered,
       study.accuracy->is_auto
           ? fmt::format("ranks {} designs as \"{}\" does", choice.designs.size(), chosen.top().name)
           : "keeps every tolerance",
-      study.accuracy->is_auto ? order_text(step) : bounds_text(step))};
+      study.accuracy->is_auto ? order_text(step.orders) : bounds_text(step));
 }
 
 std::string work_text(const Json& work) {
@@ -165,7 +166,7 @@ std::string offsets_text(const RenderRung& rung) {
   std::vector<std::string> parts;
   for (const auto& [score, offset] : rung.offsets) {
     parts.push_back(
-        fmt::format("{} by {}", report_detail::score_label(score), value_text(score, -offset)));
+        fmt::format("{} by {}", report_detail::score_label(score), error_text(score, -offset)));
   }
   return fmt::format(
       "Scores of half resolution are corrected by their mean error over the designs that were "
@@ -173,143 +174,126 @@ std::string offsets_text(const RenderRung& rung) {
       join(parts, ", "));
 }
 
-Json rungs_table(const Json& accuracy) {
-  Json rows = Json::array();
-  const double top = accuracy["rungs"].back()["work"].get<double>();
-  for (const Json& rung : accuracy["rungs"]) {
-    std::vector<std::string> taus;
-    for (const auto& [objective, tau] : rung["tau"].items()) {
-      taus.push_back(fmt::format("{:.2f}", tau.get<double>()));
-    }
-    std::vector<std::string> bounds;
-    for (const auto& [score, bound] : rung["bounds"].items()) {
-      bounds.push_back(fmt::format(
-          "{} {}", report_detail::score_label(score), value_text(score, bound.get<double>())));
-    }
-    const auto skipped = rung["skipped"].get<std::string>();
-    std::string result = !skipped.empty()              ? "left out: " + skipped
-                         : !rung["serves"].get<bool>() ? "not exact enough"
-                                                       : "serves";
-    if (rung["name"] == accuracy["rung"]) {
-      result += ", used by the search";
-    } else if (!rung["for_search"].get<bool>()) {
-      result = "compared with";
-    }
-    rows.push_back({rung["name"],
-                    measured(100.0 * rung["work"].get<double>() / top) + " %",
-                    taus.empty() ? "-" : join(taus, ", "),
-                    bounds.empty() ? "-" : join(bounds, "; "),
-                    result});
-  }
-  return {{"caption",
-           fmt::format("The ladder, tried on {} designs with the same random numbers: {}. Work is "
-                       "counted, as a share of the last row's; bounds hold at a confidence of {:g} "
-                       "%.",
-                       accuracy["designs"].size(),
-                       join(accuracy["designs"].get<std::vector<std::string>>(), ", "),
-                       100.0 * accuracy["confidence"].get<double>())},
-          {"head", {"way to render", "work", "Kendall's tau", "errors within", "result"}},
-          {"rows", rows}};
+/// Of designs that were not compared.
+std::string alike_text(const LadderChoice& choice) {
+  return fmt::format(
+      "{} designs that were looked at are mirrors, which every one of these "
+      "ways renders alike: how exact their scores are was not compared.",
+      choice.num_alike);
 }
 
-std::string settings_text(const Json& settings) {
-  std::vector<std::string> parts;
-  for (const auto& [key, value] : settings.items()) {
-    parts.push_back(
-        fmt::format("{} = {}", key, value.is_string() ? value.get<std::string>() : value.dump()));
+/// @param evaluations   of the search
+/// @param earlier_work  at cheaper rungs
+Json work_json(const ChosenAccuracy& chosen, int evaluations, double earlier_work) {
+  double checking = 0.0;
+  for (const ChosenAccuracy& part : chosen.parts()) {
+    checking += part.choice.work;
   }
-  return join(parts, ", ");
+  return {{"unit", "million camera paths with direct light, counted"},
+          {"evaluation", chosen.evaluation_work()},
+          {"checking", checking},
+          {"full_evaluation", chosen.full_evaluation_work()},
+          {"search", earlier_work + chosen.evaluation_work() * evaluations},
+          {"full", chosen.full_evaluation_work() * evaluations}};
 }
 
-std::string wish_text(const Json& accuracy) {
-  const Json& tolerance = accuracy["tolerance"];
-  std::vector<std::string> parts;
-  if (tolerance.is_object()) {
-    for (const auto& [score, text] : tolerance.items()) {
-      parts.push_back(text.get<std::string>());
+/// How the designs of all branches are ranked together, with "auto".
+std::string joint_text(const ChosenAccuracy& chosen) {
+  std::size_t designs = 0;
+  for (const ChosenAccuracy& part : chosen.branches) {
+    if (part.choice.problem.empty()) {
+      designs += part.choice.designs.size();
+      if (!part.choice.is_reached) {
+        return fmt::format("That is not as exact as asked for: {}.",
+                           join(part.choice.unreached, "; "));
+      }
     }
   }
-  return fmt::format("{}, at a confidence of {:g} %",
-                     parts.empty() ? "\"auto\": the right order of designs" : join(parts, "; "),
-                     100.0 * accuracy["confidence"].get<double>());
+  return chosen.orders.empty()
+             ? std::string("Of no branch enough designs could be ranked.")
+             : fmt::format("Together these rank {} designs as the tops of their ladders do ({}).",
+                           designs,
+                           order_text(chosen.orders));
 }
 
-/// @param key  "bound" or "wide_bound"
-std::string bounds_text(const Json& accuracy, const char* key) {
-  std::vector<std::string> parts;
-  for (const Json& score : accuracy["scores"]) {
-    const auto name = score["score"].get<std::string>();
-    parts.push_back(fmt::format("{} within {}",
-                                report_detail::score_label(name),
-                                value_text(name, score[key].get<double>())));
+std::vector<std::string> branch_reasons(const Study& study, const ChosenAccuracy& chosen) {
+  std::vector<std::string> why;
+  for (const ChosenAccuracy& part : chosen.branches) {
+    why.push_back(study.accuracy->is_auto && part.choice.problem.empty() ? rendered_text(part) + "."
+                                                                         : reason(study, part));
+    if (part.choice.num_alike > 0) {
+      why.push_back(fmt::format("Of {}: {}", part.label, alike_text(part.choice)));
+    }
+    if (!part.rung().offsets.empty()) {
+      why.push_back(fmt::format("Of {}: {}", part.label, offsets_text(part.rung())));
+    }
   }
-  return parts.empty() ? "none: too few designs could be evaluated" : join(parts, "; ");
-}
-
-/// "12.3 million paths; 41 % of the search"
-std::string cost_text(const Json& work, double amount) {
-  const double search = work["search"].get<double>();
-  const std::string share =
-      search > 0.0 ? fmt::format("; {} % of the search", measured(100.0 * amount / search)) : "";
-  return fmt::format("{} {}{}", measured(amount), work["unit"].get<std::string>(), share);
-}
-
-/// By the evaluations that there are; of one where their number is not known.
-std::string search_text(const Json& work) {
-  const double search = work["search"].get<double>();
-  return search > 0.0 ? cost_text(work, search)
-                      : fmt::format("{} for each evaluation",
-                                    cost_text(work, work["evaluation"].get<double>()));
-}
-
-std::string full_text(const Json& work) {
-  return work["search"].get<double>() > 0.0
-             ? cost_text(work, work["full"].get<double>())
-             : fmt::format("{} for each evaluation",
-                           cost_text(work, work["full_evaluation"].get<double>()));
-}
-
-/// What the section is about, in one place.
-Json facts_table(const Json& accuracy) {
-  const Json& work = accuracy["work"];
-  Json rows =
-      Json::array({{"asked for", wish_text(accuracy)},
-                   {"level", accuracy["level"]},
-                   {"rendered by", accuracy["rung"]},
-                   {"settings", settings_text(accuracy["settings"])},
-                   {"errors of one more design", bounds_text(accuracy, "bound")},
-                   {"of all designs, unchecked ones too", bounds_text(accuracy, "wide_bound")},
-                   {"the search takes", search_text(work)},
-                   {"choosing takes", cost_text(work, work["checking"].get<double>())}});
-  if (accuracy.contains("check")) {
-    const Json& check = accuracy["check"];
-    rows.push_back({"checked", check["sentence"]});
-    rows.push_back({"checking took", cost_text(work, check["work"].get<double>())});
-    rows.push_back(
-        {"finalists at the top took", cost_text(work, check["finalist_work"].get<double>())});
+  if (study.accuracy->is_auto) {
+    why.push_back(joint_text(chosen));
   }
-  rows.push_back({"full physics would have taken", full_text(work)});
-  return {{"caption", "In one place; work is counted, not measured:"},
-          {"head", {"what", "how"}},
-          {"rows", rows}};
+  return why;
 }
 
-Json unmodelled_table(const Json& accuracy) {
-  Json rows = Json::array();
-  for (const Json& note : accuracy["not_modelled"]) {
-    rows.push_back({note});
+Json branch_json(const ChosenAccuracy& part, const std::string& value, bool is_auto) {
+  const LadderChoice& choice = part.choice;
+  Json json = {{"value", value},
+               {"level", part.rung().level},
+               {"rung", part.rung().name},
+               {"settings", settings_json(part.rung())},
+               {"reached", choice.is_reached},
+               {"scores", scores_of_rung(choice.steps[choice.step], is_auto)},
+               {"designs", part.designs},
+               {"failed", choice.num_failed},
+               {"alike", choice.num_alike},
+               {"rungs", rungs_json(part)},
+               {"share", part.share},
+               {"work",
+                {{"evaluation", part.rung().work},
+                 {"checking", choice.work},
+                 {"full_evaluation", part.top().work}}}};
+  if (!part.rung().offsets.empty()) {
+    json["offsets"] = part.rung().offsets;
   }
-  return {{"caption", "What no way to render models, with rough estimates:"},
-          {"head", {"left out"}},
-          {"rows", rows}};
+  return json;
 }
 
-/// With what its check came to, of a run that was finished.
-std::string sentences(const Json& accuracy) {
-  const auto sentence = accuracy["sentence"].get<std::string>();
-  return accuracy.contains("check")
-             ? sentence + " " + accuracy["check"]["sentence"].get<std::string>()
-             : sentence;
+/// Of a search with a rung for each branch.
+Json branched_json(const Study& study, const ChosenAccuracy& chosen, const Json& work) {
+  Json branches = Json::array();
+  std::vector<std::string> levels;
+  std::vector<std::string> unreached;
+  bool is_reached = true;
+  for (std::size_t i = 0; i < chosen.branches.size(); ++i) {
+    const ChosenAccuracy& part = chosen.branches[i];
+    const std::string& value = chosen.split->values[i];
+    branches.push_back(branch_json(part, value, study.accuracy->is_auto));
+    levels.push_back(fmt::format("{}: {}", value, part.rung().level));
+    is_reached = is_reached && part.choice.is_reached;
+    for (const std::string& text : part.choice.unreached) {
+      unreached.push_back(study.accuracy->is_auto ? text : fmt::format("{}: {}", part.label, text));
+    }
+  }
+  if (study.accuracy->is_auto && unreached.size() > 1) {
+    unreached.resize(1);  // it is of all branches
+  }
+  std::vector<std::string> why = branch_reasons(study, chosen);
+  why.push_back(work_text(work));
+  Json tau = Json::object();
+  for (const OrderOf& order : chosen.orders) {
+    tau[order.objective] = order.agreement.tau;
+  }
+  return {{"tolerance", tolerance_json(*study.accuracy)},
+          {"confidence", study.accuracy->confidence},
+          {"level", join(levels, "; ")},
+          {"rung", chosen.rungs().name()},
+          {"reached", is_reached},
+          {"sentence", join(why, " ")},
+          {"why", why},
+          {"unreached", unreached},
+          {"variable", chosen.split->name},
+          {"tau", tau},
+          {"branches", branches},
+          {"work", work}};
 }
 
 }  // namespace
@@ -319,19 +303,16 @@ Json accuracy_json(const Study& study,
                    int evaluations,
                    const std::vector<std::string>& unmodelled,
                    double earlier_work) {
+  const Json work = work_json(chosen, evaluations, earlier_work);
+  if (chosen.split) {
+    Json json = branched_json(study, chosen, work);
+    json["not_modelled"] = unmodelled;
+    return json;
+  }
   const LadderChoice& choice = chosen.choice;
-  const Json work = {{"unit", "million camera paths with direct light, counted"},
-                     {"evaluation", chosen.rung().work},
-                     {"checking", choice.work},
-                     {"full_evaluation", chosen.top().work},
-                     {"search", earlier_work + chosen.rung().work * evaluations},
-                     {"full", chosen.top().work * evaluations}};
-  std::vector<std::string> why = reasons(study, chosen);
+  std::vector<std::string> why = {reason(study, chosen)};
   if (choice.num_alike > 0) {
-    why.push_back(
-        fmt::format("{} designs that were looked at are mirrors, which every one of these "
-                    "ways renders alike: how exact their scores are was not compared.",
-                    choice.num_alike));
+    why.push_back(alike_text(choice));
   }
   why.push_back(work_text(work));
   if (!chosen.rung().offsets.empty()) {
@@ -357,17 +338,6 @@ Json accuracy_json(const Study& study,
     json["offsets"] = chosen.rung().offsets;
   }
   return json;
-}
-
-Json accuracy_panel(const Json& accuracy) {
-  return {{"id", "accuracy"},
-          {"title", "How exactly it was rendered"},
-          {"lead", sentences(accuracy)},
-          {"tables", {facts_table(accuracy), rungs_table(accuracy), unmodelled_table(accuracy)}}};
-}
-
-std::string accuracy_text(const Json& accuracy) {
-  return fmt::format("  {}\n", sentences(accuracy));
 }
 
 }  // namespace glint

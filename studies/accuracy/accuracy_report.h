@@ -28,6 +28,15 @@ namespace glint {
 ///   not_modelled [ sentences ]
 ///   check        of a finished run: check_json()
 ///
+/// Where a choice changes the scene's kind, level and rung are those of all branches in one text,
+/// and in place of settings, scores, designs, failed, alike, rungs and offsets there are
+///
+///   variable     the choice
+///   tau          { objective } of all designs together, each at its branch's rung; with "auto"
+///   branches     of each value: [ { value, level, rung, settings, reached, scores, designs,
+///                failed, alike, rungs, share: of the search's designs,
+///                work: { evaluation, checking, full_evaluation }, offsets } ]
+///
 /// @param evaluations   of the search, made or planned
 /// @param unmodelled    unmodelled_notes()
 /// @param earlier_work  of the search at cheaper rungs, before it was raised
@@ -36,13 +45,5 @@ nlohmann::ordered_json accuracy_json(const Study& study,
                                      int evaluations,
                                      const std::vector<std::string>& unmodelled,
                                      double earlier_work = 0.0);
-
-/// The section of the report: in one table level, settings, bounds, checks and what all that took
-/// and full accuracy would have taken; the ladder; what no rung models.
-/// @param accuracy  of accuracy_json()
-nlohmann::ordered_json accuracy_panel(const nlohmann::ordered_json& accuracy);
-
-/// What the terminal says: the sentence, and each score that is not reached.
-std::string accuracy_text(const nlohmann::ordered_json& accuracy);
 
 }  // namespace glint

@@ -2,6 +2,7 @@
 #include "studies/accuracy/accurate_search.h"
 
 #include <algorithm>
+#include <iterator>
 #include <span>
 #include <string>
 #include <utility>
@@ -41,13 +42,17 @@ void keep_in_search(const Study& study,
                     const ChosenAccuracy& chosen,
                     Storage& storage,
                     AccuracyRecord& record) {
-  record.follow([&study, &storage, ladder = chosen.ladder](
-                    const std::string& recorded, int trial, const Outcome& outcome) {
-    if (const std::string rung = searched_rung(ladder, recorded); !rung.empty()) {
-      storage.record_missing(std::vector<Replicate>{
-          labelled(searched_label(study, rung), TrialKind::kSearch, trial, outcome)});
-    }
-  });
+  std::vector<RenderRung> ladder;
+  for (const ChosenAccuracy& part : chosen.parts()) {
+    std::ranges::copy(part.ladder, std::back_inserter(ladder));
+  }
+  record.follow(
+      [&study, &storage, ladder](const std::string& recorded, int trial, const Outcome& outcome) {
+        if (const std::string rung = searched_rung(ladder, recorded); !rung.empty()) {
+          storage.record_missing(std::vector<Replicate>{
+              labelled(searched_label(study, rung), TrialKind::kSearch, trial, outcome)});
+        }
+      });
 }
 
 }  // namespace
@@ -62,12 +67,13 @@ SearchResult search_accurately(const AccuracyTask& task,
     AccuracyRecord record(task.record);
     record.check_rules(has_asked(storage));
     found.chosen = choose_accuracy(task, record);
-    record.begin_search(found.chosen->rung().name);
+    const std::string rungs = found.chosen->rungs().name();
+    record.begin_search(rungs, found.chosen->split ? kBranchRules : kAccuracyRules);
     keep_in_search(task.study, *found.chosen, storage, record);
     SearchReview review(task, record, *found.chosen);
     review.resume(storage);
     found.cpu_s = process_cpu_s() - start;
-    log(LogLevel::kInfo, "the search is rendered by: {}", found.chosen->rung().name);
+    log(LogLevel::kInfo, "the search is rendered by: {}", found.chosen->rungs().name());
     result = search(*found.chosen, [&](std::span<const Trial> told) {
       const double review_start = process_cpu_s();
       std::optional<Event> event = review.review(told);
@@ -79,6 +85,7 @@ SearchResult search_accurately(const AccuracyTask& task,
     }
     const double search_end = process_cpu_s();
     const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
+    count_designs(*found.chosen, trials);
     found.check = check_search(task, record, *found.chosen, trials, review);
     found.cpu_s += process_cpu_s() - search_end;
     if (adopt_winner(task.study, *found.check, trials, result)) {

@@ -46,10 +46,13 @@ std::string budget_note(const Study& study, const ChosenAccuracy& chosen, int po
   const std::string told = fmt::format(
       "What is asked for is not reachable within the budget: by \"{}\" about {} of {} evaluations "
       "fit into {:g} s",
-      chosen.rung().name,
+      chosen.rungs().name(),
       possible,
       wanted,
       study.budget.wall_clock_s);
+  if (chosen.split) {
+    return told + ".";
+  }
   const std::optional<std::size_t> step = affordable_step(chosen, wanted, possible);
   return step
              ? fmt::format("{}; all of them would by \"{}\", which is exact to {}.",

@@ -14,7 +14,8 @@ inline constexpr int kMinEvaluations = 20;
 
 /// A tolerance that is not reachable within the budget, with the bound that is: that of the dearest
 /// rung of those tried by which as many evaluations fit as are wanted, by counted work. Empty where
-/// the chosen rung lets all of them be made. It chooses nothing: no clock has a say in that.
+/// the chosen rung lets all of them be made; no cheaper one is named where branches have rungs of
+/// their own. It chooses nothing: no clock has a say in that.
 /// @param possible  evaluations at the chosen rung that fit into the budget of time
 std::string budget_note(const Study& study, const ChosenAccuracy& chosen, int possible);
 

@@ -16,6 +16,7 @@
 #include "optimizer/storage/storage.h"
 #include "studies/accuracy/accuracy_record.h"
 #include "studies/accuracy/ladder_trial.h"
+#include "studies/definition/ladder/branch_split.h"
 #include "studies/definition/ladder/render_ladder.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
@@ -39,7 +40,8 @@ struct AccuracyTask {
   std::function<Outcome(const Overrides& overrides, const RenderRung& rung)> evaluate = {};
 };
 
-/// The rung of a study's search.
+/// The rung of a study's search. Where a choice changes the scene's kind it has branches, each with
+/// a rung of its own, and of this one only split, branches and orders have a meaning.
 struct ChosenAccuracy {
   std::vector<RenderRung> ladder;
   LadderChoice choice;
@@ -52,9 +54,32 @@ struct ChosenAccuracy {
   /// trial has them beside its twelve.
   std::vector<Trial> beyond;
 
+  std::string label;   ///< of a branch: "lighting_use = ring"
+  double share = 1.0;  ///< of a branch: of the search's designs; equal shares before it
+  std::optional<BranchSplit> split = {};
+  std::vector<ChosenAccuracy> branches = {};  ///< one for each value of the split
+  /// With "auto": of the designs of all branches together, each at its branch's rung.
+  std::vector<OrderOf> orders = {};
+
   const RenderRung& rung() const { return ladder[choice.step]; }
 
   const RenderRung& top() const { return ladder.back(); }
+
+  /// Of the branches; 0 where there are none.
+  std::size_t index_of(const Point& point) const { return split ? split->branch_of(point) : 0; }
+
+  /// What was chosen for the designs of a point's branch; this where there are none.
+  const ChosenAccuracy& of(const Point& point) const;
+
+  /// The branches; this alone where there are none.
+  std::span<const ChosenAccuracy> parts() const;
+
+  /// The rungs of the search.
+  SearchRungs rungs() const;
+
+  /// Counted, of an evaluation of the search by the shares of its designs.
+  double evaluation_work() const;
+  double full_evaluation_work() const;  ///< at the top
 };
 
 /// What a search wants of each candidate, but for derivatives: the scores of its goal, and those
@@ -76,8 +101,9 @@ Outcome evaluate_at(SceneStore& store,
 void check_accuracy_choice(const Study& study, bool takes_trials);
 
 /// Tries the ladder on the baseline, up to eight prototypes and a Sobol sequence over the
-/// variables, twelve designs in all. The same for any number of threads and jobs, and whatever part
-/// of it was recorded before.
+/// variables, twelve designs in all; where branch_split() finds one, a ladder of each branch on
+/// eight designs of it, unless the search began by rules that knew none. The same for any number of
+/// threads and jobs, and whatever part of it was recorded before.
 /// @throws ConfigError with its place when the study leaves nothing to choose; at once, without any
 ///         evaluation, when the record's search has begun and its trial is not all that this
 ///         program would try: its ladder was another one
@@ -86,10 +112,11 @@ void check_accuracy_choice(const Study& study, bool takes_trials);
 ChosenAccuracy choose_accuracy(const AccuracyTask& task);
 ChosenAccuracy choose_accuracy(const AccuracyTask& task, AccuracyRecord& record);
 
-/// Whether a search may use a dearer rung.
-bool has_dearer_rung(const ChosenAccuracy& chosen);
+/// Whether a search, or one of its branches, may use a dearer rung.
+bool has_dearer_rung(const ChosenAccuracy& part);
 
-/// Tries the ladder once more, above the rung of before and with a design that left its bound.
+/// Tries the ladder once more, that of its branch where there are some, above the rung of before
+/// and with a design that left its bound. With "auto" other branches may rise with it.
 /// @param beyond    of the search
 /// @param archived  trials of the search, of which some may be known at the new rung
 /// @return nothing where the search may use no dearer rung
@@ -107,9 +134,16 @@ Outcome recorded_trial(const AccuracyTask& task,
                        const Trial& trial,
                        const RenderRung& rung);
 
+/// Under which name the record keeps outcomes of the search at a rung: those that are corrected are
+/// none of the rung itself.
+std::string kept_name(const RenderRung& rung);
+
+/// Sets the shares of the branches by the trials of a search.
+void count_designs(ChosenAccuracy& chosen, std::span<const Trial> trials);
+
 /// What a run's search was rendered by, as its result.json tells; empty without [accuracy].
 /// @param study  of the run's study.resolved.toml
-/// @throws IoError when result.json is missing or tells no rung of the study's ladder
-std::optional<RenderRung> rung_of_run(const Study& study, const std::filesystem::path& run);
+/// @throws IoError when result.json is missing or tells no rung of the study's ladders
+std::optional<SearchRungs> rungs_of_run(const Study& study, const std::filesystem::path& run);
 
 }  // namespace glint

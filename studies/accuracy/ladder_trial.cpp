@@ -89,6 +89,8 @@ class LadderTrial {
     leave_out_groups();
     climb();
     find_second();
+    choice_.scores = scores_[choice_.step];
+    choice_.top_scores = scores_[top()];
     if (!choice_.is_reached) {
       choice_.unreached = unreached_texts(task_, choice_, task_.wish.is_auto && ranks_nothing());
     }
@@ -303,7 +305,7 @@ class LadderTrial {
     report.bounds = bounds_against(step, reference);
     report.orders = orders_against(step, reference);
     report.serves = task_.wish.is_auto
-                        ? step == reference ||
+                        ? step == reference || (task_.is_judged_jointly && reference == top()) ||
                               std::ranges::all_of(report.orders,
                                                   [&](const OrderOf& order) {
                                                     return is_right(order.agreement, reference);

@@ -40,6 +40,9 @@ struct LadderTask {
   std::size_t num_candidates = 48;  ///< that there are: the next takes the place of one that fails
   AccuracySettings wish;
   Goal goal;
+  /// With "auto" the designs are ranked beside those of other ladders, by who calls: the cheapest
+  /// step that renders all of them is taken.
+  bool is_judged_jointly = false;
 };
 
 /// The scores of these candidates at a step, in their order; empty where one cannot be evaluated.
@@ -99,6 +102,8 @@ struct LadderChoice {
   std::size_t num_failed = 0;        ///< candidates that could not
   std::size_t num_alike = 0;  ///< candidates that all steps render alike: they were not compared
   std::vector<StepReport> steps;
+  std::vector<Scores> scores;      ///< of the designs at the step; empty where it renders not all
+  std::vector<Scores> top_scores;  ///< of the designs at the top
   std::vector<std::string> unreached;  ///< for each score the bound that is to be had
   double work = 0.0;                   ///< of all evaluations together
 };

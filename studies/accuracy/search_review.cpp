@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -65,19 +66,57 @@ class CheckQueue {
   std::size_t count_ = 0;
 };
 
+/// Whether designs of a part are evaluated again.
+bool is_raised(const ChosenAccuracy& before, const ChosenAccuracy& after) {
+  return before.rung().name != after.rung().name;
+}
+
+/// The rungs that rise, in quotes: "16 samples"; "16 samples" (lighting_use = ring).
+std::string raised_names(const ChosenAccuracy& before, const ChosenAccuracy& after) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < after.parts().size(); ++i) {
+    const ChosenAccuracy& part = after.parts()[i];
+    if (is_raised(before.parts()[i], part)) {
+      names.push_back(part.label.empty()
+                          ? fmt::format("\"{}\"", part.rung().name)
+                          : fmt::format("\"{}\" ({})", part.rung().name, part.label));
+    }
+  }
+  return join(names, ", ");
+}
+
 std::string raised_sentence(const CheckedDesign& design,
                             const std::string& from,
                             const std::string& to,
-                            std::size_t evaluations) {
+                            int evaluations) {
   return fmt::format(
       "Trial {} differs between \"{}\" and \"{}\" by more than the bound ({}): all {} designs "
-      "evaluated so far were evaluated again by \"{}\"",
+      "evaluated so far were evaluated again by {}",
       design.trial,
       from,
       design.rung,
       join(design.beyond, ", "),
       evaluations,
       to);
+}
+
+/// The steps of the branches; of a search without them none.
+std::vector<double> steps_of(const ChosenAccuracy& chosen) {
+  std::vector<double> steps;
+  for (const ChosenAccuracy& part : chosen.branches) {
+    steps.push_back(static_cast<double>(part.choice.step));
+  }
+  return steps;
+}
+
+constexpr std::size_t kEpochFigures = 3;  ///< of an epoch's event, before the steps of branches
+
+/// Whether an epoch that was recorded begins with these rungs.
+bool is_epoch_of(const Event& event, const ChosenAccuracy& raised, const Point& beyond) {
+  const std::vector<double> steps = steps_of(raised);
+  return event.objectives.size() == kEpochFigures + steps.size() &&
+         static_cast<double>(raised.of(beyond).choice.step) == event.value &&
+         std::equal(steps.begin(), steps.end(), event.objectives.begin() + kEpochFigures);
 }
 
 /// Of a rung's score against the top, over the designs of the trial, where the search's own scores
@@ -135,8 +174,20 @@ const RenderRung* second_rung(const ChosenAccuracy& chosen) {
   return second && *second > chosen.choice.step ? &chosen.ladder[*second] : nullptr;
 }
 
+/// A branch under review, or the whole search.
+struct SearchReview::Part {
+  const ChosenAccuracy& chosen;
+  std::size_t index;
+  CheckQueue queue;
+  double count = 0.0;  ///< of its trials
+};
+
 SearchReview::SearchReview(const AccuracyTask& task, AccuracyRecord& record, ChosenAccuracy& chosen)
     : task_(task), record_(record), chosen_(chosen) {}
+
+double SearchReview::work() const {
+  return std::accumulate(works_.begin(), works_.end(), 0.0);
+}
 
 void SearchReview::resume(const Storage& storage) {
   const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
@@ -146,10 +197,10 @@ void SearchReview::resume(const Storage& storage) {
     }
     const auto beyond = std::ranges::find(trials, event.trial, &Trial::number);
     std::optional<ChosenAccuracy> raised;
-    if (beyond != trials.end() && event.objectives.size() == 3) {
+    if (beyond != trials.end() && event.objectives.size() >= kEpochFigures) {
       raised = raise_accuracy(task_, record_, chosen_, *beyond, trials);
     }
-    if (!raised || static_cast<double>(raised->choice.step) != event.value) {
+    if (!raised || !is_epoch_of(event, *raised, beyond->point)) {
       throw ConfigError(fmt::format(
           "this study cannot be resumed: after trial {} its search took another way to render than "
           "it would take now; the program, a library or the machine changed since. Run into a new "
@@ -157,7 +208,7 @@ void SearchReview::resume(const Storage& storage) {
           event.trial));
     }
     ended_.push_back({.trial = event.trial,
-                      .rung = chosen_.rung().name,
+                      .rung = chosen_.of(beyond->point).rung().name,
                       .evaluations = static_cast<int>(event.objectives[0]),
                       .check_work = event.objectives[1],
                       .search_work = event.objectives[2],
@@ -166,41 +217,78 @@ void SearchReview::resume(const Storage& storage) {
   }
 }
 
-/// Ends with the first design beyond the bound, as long as the search may use a dearer rung.
+/// Ends with the first design beyond the bound, as long as its branch may use a dearer rung.
 void SearchReview::check_up_to(std::span<const Trial> told) {
   checked_.clear();
-  work_ = 0.0;
-  const RenderRung* second = second_rung(chosen_);
-  const bool ends_epoch = has_dearer_rung(chosen_);
-  CheckQueue queue(task_.study);
-  for (std::size_t i = 0; i < told.size() && second != nullptr; ++i) {
-    queue.add(told[i]);
-    const auto count = static_cast<double>(i + 1);
-    const double allowed =
-        count < kUncheckedEvaluations ? 0.0 : kCheckShare * count * chosen_.rung().work;
-    while (work_ + second->work <= allowed) {
-      const auto [trial, is_finalist] = queue.take();
-      if (trial == nullptr) {
-        break;
-      }
-      const Outcome dearer = recorded_trial(task_, record_, *trial, *second);
-      checked_.push_back(compared(chosen_, *trial, is_finalist, *second, dearer));
-      work_ += second->work;
-      if (ends_epoch && !checked_.back().beyond.empty()) {
-        return;
-      }
+  works_.assign(chosen_.parts().size(), 0.0);
+  std::vector<Part> parts;
+  for (std::size_t i = 0; i < chosen_.parts().size(); ++i) {
+    parts.push_back({.chosen = chosen_.parts()[i], .index = i, .queue = CheckQueue(task_.study)});
+  }
+  for (const Trial& trial : told) {
+    if (is_beyond_with(trial, parts[chosen_.index_of(trial.point)])) {
+      return;
     }
   }
+}
+
+/// Whether one of the checks that one more trial pays for ends the epoch.
+bool SearchReview::is_beyond_with(const Trial& told, Part& part) {
+  const RenderRung* second = second_rung(part.chosen);
+  if (second == nullptr) {
+    return false;
+  }
+  part.queue.add(told);
+  part.count += 1.0;
+  const double allowed =
+      part.count < kUncheckedEvaluations ? 0.0 : kCheckShare * part.count * part.chosen.rung().work;
+  double& work = works_[part.index];
+  while (work + second->work <= allowed) {
+    const auto [trial, is_finalist] = part.queue.take();
+    if (trial == nullptr) {
+      break;
+    }
+    const Outcome dearer = recorded_trial(task_, record_, *trial, *second);
+    checked_.push_back(compared(part.chosen, *trial, is_finalist, *second, dearer));
+    checked_.back().branch = part.index;
+    work += second->work;
+    if (has_dearer_rung(part.chosen) && !checked_.back().beyond.empty()) {
+      return true;
+    }
+  }
+  return false;
 }
 
 std::optional<Event> SearchReview::review(std::span<const Trial> told) {
   try {
     check_up_to(told);
     const bool is_beyond = !checked_.empty() && !checked_.back().beyond.empty();
-    return is_beyond && has_dearer_rung(chosen_) ? raise(told) : std::nullopt;
+    return is_beyond && has_dearer_rung(chosen_.parts()[checked_.back().branch]) ? raise(told)
+                                                                                 : std::nullopt;
   } catch (const EvaluationAborted&) {
     return std::nullopt;
   }
+}
+
+/// What is evaluated again, and what was checked of it, with the work of both.
+EndedEpoch SearchReview::ended_by(const CheckedDesign& design,
+                                  const ChosenAccuracy& raised,
+                                  std::span<const Trial> told) const {
+  const std::string& old = chosen_.parts()[design.branch].rung().name;
+  EndedEpoch ended = {.trial = design.trial, .rung = old, .sentence = {}};
+  for (std::size_t i = 0; i < chosen_.parts().size(); ++i) {
+    const ChosenAccuracy& part = chosen_.parts()[i];
+    if (!is_raised(part, raised.parts()[i])) {
+      continue;
+    }
+    const auto count = std::ranges::count_if(
+        told, [&](const Trial& trial) { return chosen_.index_of(trial.point) == i; });
+    ended.evaluations += static_cast<int>(count);
+    ended.search_work += part.rung().work * static_cast<double>(count);
+    ended.check_work += works_[i];
+  }
+  ended.sentence = raised_sentence(design, old, raised_names(chosen_, raised), ended.evaluations);
+  return ended;
 }
 
 std::optional<Event> SearchReview::raise(std::span<const Trial> told) {
@@ -210,30 +298,27 @@ std::optional<Event> SearchReview::raise(std::span<const Trial> told) {
   if (!raised || (task_.interrupt != nullptr && *task_.interrupt > 0)) {
     return std::nullopt;
   }
-  const std::string old = chosen_.rung().name;
   // Their outcomes are withdrawn from the search; those that were corrected by the trial of this
   // epoch are no others' business.
-  const std::string kept_as = chosen_.rung().offsets.empty() ? old : old + std::string(kCorrected);
   for (const Trial& one : told) {
+    const std::string kept_as = kept_name(chosen_.of(one.point).rung());
     record_.keep(kept_as, trial_name(one.number), one.point, *one.outcome);
   }
-  const double search_work = chosen_.rung().work * static_cast<double>(told.size());
-  ended_.push_back({.trial = design.trial,
-                    .rung = old,
-                    .evaluations = static_cast<int>(told.size()),
-                    .check_work = work_,
-                    .search_work = search_work,
-                    .sentence = raised_sentence(design, old, raised->rung().name, told.size())});
+  ended_.push_back(ended_by(design, *raised, told));
   const EndedEpoch& ended = ended_.back();
   log(LogLevel::kWarning, "{}", ended.sentence);
+  Event event = {
+      .kind = EventKind::kEpoch,
+      .trial = ended.trial,
+      .value = static_cast<double>(raised->of(trial.point).choice.step),
+      .text = ended.sentence,
+      .objectives = {static_cast<double>(ended.evaluations), ended.check_work, ended.search_work}};
+  const std::vector<double> steps = steps_of(*raised);
+  event.objectives.insert(event.objectives.end(), steps.begin(), steps.end());
   chosen_ = std::move(*raised);
   checked_.clear();
-  work_ = 0.0;
-  return Event{.kind = EventKind::kEpoch,
-               .trial = ended.trial,
-               .value = static_cast<double>(chosen_.choice.step),
-               .text = ended.sentence,
-               .objectives = {static_cast<double>(told.size()), ended.check_work, search_work}};
+  works_.clear();
+  return event;
 }
 
 }  // namespace glint

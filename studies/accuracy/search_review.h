@@ -27,27 +27,30 @@ struct CheckedDesign {
   Outcome dearer;
   std::vector<std::string> beyond;  ///< scores whose difference is beyond their bound_of()
   std::vector<std::string> wider;   ///< scores whose own bound is wider than that of the trial
+  std::size_t branch = 0;           ///< of ChosenAccuracy::parts()
 };
 
-/// A part of the search that a check has ended: all its designs are evaluated again.
+/// A part of the search that a check has ended: all its designs are evaluated again, where there
+/// are branches those of the branches whose rung rises.
 struct EndedEpoch {
-  int trial = 0;        ///< whose check was beyond the bound
-  std::string rung;     ///< that the search was rendered by
-  int evaluations = 0;  ///< made by it
-  double check_work = 0.0;
-  double search_work = 0.0;
+  int trial = 0;             ///< whose check was beyond the bound
+  std::string rung;          ///< that the search, or the branch of that trial, was rendered by
+  int evaluations = 0;       ///< that are made again
+  double check_work = 0.0;   ///< of checks of such designs
+  double search_work = 0.0;  ///< of those evaluations
   std::string sentence;
 };
 
 /// A trial of the search beside what it gave at a dearer rung.
+/// @param chosen  of the search, or of the trial's branch
 CheckedDesign compared(const ChosenAccuracy& chosen,
                        const Trial& trial,
                        bool is_finalist,
                        const RenderRung& rung,
                        const Outcome& dearer);
 
-/// What a search's rung is checked with while the search goes on: LadderChoice::second. nullptr: it
-/// is the top, or nothing could be judged.
+/// What the rung of a search, or of a branch, is checked with while the search goes on:
+/// LadderChoice::second. nullptr: it is the top, or nothing could be judged.
 const RenderRung* second_rung(const ChosenAccuracy& chosen);
 
 /// Decides from told trials and recorded checks alone: the same for any number of threads and jobs,
@@ -62,7 +65,8 @@ class SearchReview {
   void resume(const Storage& storage);
 
   /// Checks, within kCheckShare of the counted work, the best design so far, then the next best,
-  /// then one at random and so on, in the order in which a search could pay for them.
+  /// then one at random and so on, in the order in which a search could pay for them. Each branch
+  /// is looked after as if it were a search of its own.
   /// @param told  trials of this epoch, by number
   /// @return the epoch that begins when a design is beyond the bound and a dearer rung is left;
   ///         nothing when interrupted
@@ -71,19 +75,25 @@ class SearchReview {
 
   const std::vector<CheckedDesign>& checked() const { return checked_; }  ///< of this epoch
 
-  double work() const { return work_; }  ///< of these checks, counted
+  double work() const;  ///< of these checks, counted
 
   const std::vector<EndedEpoch>& ended() const { return ended_; }
 
  private:
+  struct Part;
+
   void check_up_to(std::span<const Trial> told);
+  bool is_beyond_with(const Trial& trial, Part& part);
+  EndedEpoch ended_by(const CheckedDesign& design,
+                      const ChosenAccuracy& raised,
+                      std::span<const Trial> told) const;
   std::optional<Event> raise(std::span<const Trial> told);
 
   const AccuracyTask& task_;
   AccuracyRecord& record_;
   ChosenAccuracy& chosen_;
   std::vector<CheckedDesign> checked_;
-  double work_ = 0.0;
+  std::vector<double> works_;  ///< of these checks, of each part
   std::vector<EndedEpoch> ended_;
 };
 

@@ -97,7 +97,7 @@ std::vector<std::string> named_scores(const Goal& goal) {
 
 int add_designs(const fs::path& run, const AddOptions& options) {
   const Study study = searched_study(run);
-  const std::optional<RenderRung> rung = rung_of_run(study, run);
+  const std::optional<SearchRungs> rungs = rungs_of_run(study, run);
   Storage storage = open_added(study, run);
   std::map<int, Trial> known;
   for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
@@ -120,9 +120,10 @@ int add_designs(const fs::path& run, const AddOptions& options) {
         storage.append(std::vector<Event>{{.kind = EventKind::kAsk, .trial = number}},
                        std::vector<Trial>{trial});
       }
-      storage.record(TrialKind::kSearch,
-                     number,
-                     outcome_of(store, study, trial.point, rung ? &*rung : nullptr));
+      storage.record(
+          TrialKind::kSearch,
+          number,
+          outcome_of(store, study, trial.point, rungs ? &rungs->of(trial.point) : nullptr));
       ++evaluated;
     }
     bar.update(number);

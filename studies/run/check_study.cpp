@@ -254,7 +254,7 @@ class Check {
           store_,
           options_.jobs,
           [&] { step("the first designs of the search"); },
-          accurate_.chosen ? &accurate_.chosen->rung() : nullptr);
+          accurate_.chosen ? std::optional(accurate_.chosen->rungs()) : std::nullopt);
     }
     render_designs();
     for (std::size_t i = 0; i < study_.space.variables.size(); ++i) {

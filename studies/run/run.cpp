@@ -152,14 +152,15 @@ class Run {
     SearchTask task = search_task(study_, options_.jobs);
     task.verify_replay = options_.verify_replay;
     task.review = review;
-    task.label = [&](const Point& /*point*/) {
-      return searched_label(study_, chosen != nullptr ? chosen->rung().name : kOwnRung);
+    task.label = [&](const Point& point) {
+      return searched_label(study_, chosen != nullptr ? chosen->of(point).rung().name : kOwnRung);
     };
     const std::map<Point, Outcome> taken = begin_with_taken(options_.out, task);
     const auto evaluate_point = [&](const Point& point, int /*trial*/) {
-      const auto& known = chosen != nullptr ? chosen->known : taken;  // nothing is taken beside it
+      const ChosenAccuracy* part = chosen != nullptr ? &chosen->of(point) : nullptr;
+      const auto& known = part != nullptr ? part->known : taken;  // nothing is taken beside it
       const auto found = known.find(point);
-      const RenderRung* rung = chosen != nullptr ? &chosen->rung() : nullptr;
+      const RenderRung* rung = part != nullptr ? &part->rung() : nullptr;
       return found != known.end() ? found->second : evaluate_candidate(store_, study_, point, rung);
     };
     Progress bar(study_.name, std::max(1, study_.budget.evaluations), options_.progress);
@@ -289,12 +290,12 @@ class Run {
       return;
     }
     const double start = process_cpu_s();
-    std::optional<RenderRung> rung;
+    std::optional<SearchRungs> rungs;
     if (accurate_.chosen) {
-      rung = accurate_.chosen->rung();
+      rungs = accurate_.chosen->rungs();
     }
     BuiltDesigns built(
-        store_, study_, identity_, options_.out, rung, options_.jobs, options_.interrupt);
+        store_, study_, identity_, options_.out, rungs, options_.jobs, options_.interrupt);
     const auto variables = [this](const Point& point) { return variables_json(study_, point); };
     const auto trials = storage.trials(TrialKind::kSearch);
     auto found = tolerance_spread(built, study_, trials, winner, variables);

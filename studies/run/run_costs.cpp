@@ -52,7 +52,7 @@ SearchSample sample_search(const Study& study,
                            SceneStore& store,
                            int jobs,
                            const std::function<void()>& step,
-                           const RenderRung* rung) {
+                           const std::optional<SearchRungs>& rungs) {
   const ScratchFolder scratch("the first designs of the search");
   Storage storage = Storage::open(scratch.path() / "study.sqlite", {.seed = study.search.seed});
   SearchTask task = search_task(study, jobs);
@@ -67,7 +67,7 @@ SearchSample sample_search(const Study& study,
     enough = clock.is_long() ? 1 : 0;
   };
   const auto evaluate_point = [&](const Point& point, int /*trial*/) {
-    return evaluate_candidate(store, study, point, rung);
+    return evaluate_candidate(store, study, point, rungs ? &rungs->of(point) : nullptr);
   };
   const SearchResult result = run_search(task, storage, evaluate_point, &enough, look);
   SearchSample sample{.evaluation_s = clock.mean_s(planned)};

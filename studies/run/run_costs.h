@@ -7,7 +7,7 @@
 #include <functional>
 #include <optional>
 
-#include "studies/definition/ladder/render_ladder.h"
+#include "studies/definition/ladder/branch_split.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
 
@@ -54,13 +54,13 @@ inline constexpr int kSampledDesigns = 48;
 /// evaluations, or earlier where they take long.
 /// @param jobs  candidates at once, >= 1
 /// @param step  called after each evaluation
-/// @param rung  how they are rendered; nullptr: as the study says
+/// @param rungs  how they are rendered; empty: as the study says
 /// @throws IoError when no scratch folder can be made
 SearchSample sample_search(const Study& study,
                            SceneStore& store,
                            int jobs,
                            const std::function<void()>& step,
-                           const RenderRung* rung = nullptr);
+                           const std::optional<SearchRungs>& rungs = {});
 
 /// A design rendered as write_design() does, with its frames encoded and nothing written.
 struct RenderedDesign {

@@ -15,7 +15,7 @@
 #include "core/image/image_io.h"
 #include "core/text.h"
 #include "core/units.h"
-#include "studies/accuracy/accuracy_report.h"
+#include "studies/accuracy/accuracy_panel.h"
 #include "studies/definition/scene_notes.h"
 #include "studies/front/front_page.h"
 #include "studies/output/provenance.h"

@@ -39,13 +39,13 @@ void move_key(const Study& study, const std::string& key, double offset, Overrid
 /// Opens the record; built designs that were rendered otherwise are withdrawn.
 Storage open_record(const std::filesystem::path& run,
                     const StudyIdentity& identity,
-                    const std::optional<RenderRung>& rung) {
+                    const std::optional<SearchRungs>& rungs) {
   Storage storage = Storage::open(run / kBuiltTrials, identity);
   std::string recorded;
   for (const Event& event : storage.events()) {
     recorded = event.kind == EventKind::kEpoch ? event.text : recorded;
   }
-  const std::string wanted = rung ? rung->name : "";
+  const std::string wanted = rungs ? rungs->name() : "";
   if (wanted != recorded) {
     storage.begin_epoch({.kind = EventKind::kEpoch, .text = wanted});
   }
@@ -64,16 +64,16 @@ BuiltDesigns::BuiltDesigns(SceneStore& store,
                            const Study& study,
                            const StudyIdentity& identity,
                            const std::filesystem::path& run,
-                           std::optional<RenderRung> rung,
+                           std::optional<SearchRungs> rungs,
                            int jobs,
                            const std::atomic<int>* interrupt)
     : store_(store),
       study_(study),
-      rung_(std::move(rung)),
+      rungs_(std::move(rungs)),
       jobs_(jobs),
       interrupt_(interrupt),
       tolerances_(tolerances_of(study)),
-      storage_(open_record(run, identity, rung_)) {
+      storage_(open_record(run, identity, rungs_)) {
   for (Trial& trial : storage_.trials(TrialKind::kSearch)) {
     known_[trial.point] = std::move(trial);
   }
@@ -180,10 +180,12 @@ Outcome BuiltDesigns::outcome_of(const Point& point) const {
     }
     const SceneSettings own = scene_with(study_, overrides);
     const WantedScores wanted = wanted_by(study_.goal);
-    const SceneSettings scene = rung_ ? searched_scene(store_, own, *rung_, wanted.trials) : own;
+    const RenderRung* rung = rungs_ ? &rungs_->of(point) : nullptr;
+    const SceneSettings scene =
+        rung != nullptr ? searched_scene(store_, own, *rung, wanted.trials) : own;
     outcome.scores = evaluate(store_, scene, {}, wanted).scores;
-    if (rung_) {
-      less_offsets(own, scene, *rung_, outcome.scores);
+    if (rung != nullptr) {
+      less_offsets(own, scene, *rung, outcome.scores);
     }
   } catch (const IoError&) {
     throw;  // says nothing about the design

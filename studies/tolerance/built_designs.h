@@ -12,7 +12,7 @@
 
 #include "optimizer/robust/robust_optimum.h"
 #include "optimizer/storage/storage.h"
-#include "studies/definition/ladder/render_ladder.h"
+#include "studies/definition/ladder/branch_split.h"
 #include "studies/definition/manufacture.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
@@ -32,7 +32,7 @@ inline constexpr const char* kBuiltTrials = "manufacture.sqlite";
 
 class BuiltDesigns {
  public:
-  /// @param rung       what the search was rendered by; empty: as the study's file says
+  /// @param rungs      what the search was rendered by; empty: as the study's file says
   /// @param jobs       built designs at once, >= 1
   /// @param interrupt  nullptr, or how often the user interrupted
   /// @throws IoError
@@ -40,7 +40,7 @@ class BuiltDesigns {
                const Study& study,
                const StudyIdentity& identity,
                const std::filesystem::path& run,
-               std::optional<RenderRung> rung = {},
+               std::optional<SearchRungs> rungs = {},
                int jobs = 1,
                const std::atomic<int>* interrupt = nullptr);
 
@@ -62,7 +62,7 @@ class BuiltDesigns {
 
   SceneStore& store_;
   const Study& study_;
-  std::optional<RenderRung> rung_;
+  std::optional<SearchRungs> rungs_;
   int jobs_;
   const std::atomic<int>* interrupt_;
   std::vector<Tolerance> tolerances_;

@@ -140,9 +140,9 @@ TEST(HalfResolutionRung, TellsWhatItsScoresAreCorrectedBy) {
   EXPECT_EQ(told["offsets"][kH], found.chosen.rung().offsets.at(kH));
   EXPECT_THAT(told["sentence"].get<std::string>(), testing::HasSubstr("mean error"));
   write_file(found.folder / "result.json", nlohmann::ordered_json{{"accuracy", told}}.dump());
-  const std::optional<RenderRung> read = rung_of_run(found.study, found.folder.path());
+  const std::optional<SearchRungs> read = rungs_of_run(found.study, found.folder.path());
   ASSERT_TRUE(read.has_value());
-  EXPECT_EQ(read->offsets, found.chosen.rung().offsets);
+  EXPECT_EQ(read->rungs.front().offsets, found.chosen.rung().offsets);
 }
 
 TEST(HalfResolutionRung, IsLeftOutWhereTheCameraIsKept) {

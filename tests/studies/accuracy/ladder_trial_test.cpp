@@ -432,5 +432,19 @@ TEST(TryLadder, ACorrectedStepIsTakenOnlyWhereItServes) {
   EXPECT_TRUE(choice.steps[0].skipped.empty());
 }
 
+// By 8 samples six of 66 pairs are the wrong way round: tau is 0.82. Designs of other ladders may
+// be far enough away.
+TEST(TryLadder, LeavesTheRankingToWhoeverJudgesSeveralLadders) {
+  FakeLadder ladder = ladder_of_three(0.0);
+  EXPECT_EQ(ladder.choose().step, 1U);
+  ladder.task.is_judged_jointly = true;
+  const LadderChoice choice = ladder.choose();
+  EXPECT_EQ(choice.step, 0U);
+  EXPECT_NEAR(choice.steps[0].orders[0].agreement.tau, 1.0 - 12.0 / 66.0, 1e-12);
+  ASSERT_EQ(choice.scores.size(), choice.top_scores.size());
+  EXPECT_EQ(choice.scores[3].at(kScore), 2.5);
+  EXPECT_EQ(choice.top_scores[3].at(kScore), 3.0);
+}
+
 }  // namespace
 }  // namespace glint

@@ -4,6 +4,7 @@
 // cheapest rung is wrong by 1 there, where none of the twelve designs of the trial lies.
 #include "studies/accuracy/accurate_search.h"
 
+#include "studies/accuracy/accuracy_panel.h"
 #include "studies/accuracy/accuracy_report.h"
 
 #include <algorithm>
@@ -330,8 +331,8 @@ TEST(SearchReview, RefusesToGoOnWithWhatOtherRulesChose) {
   ASSERT_GT(Storage::read(folder / "study.sqlite").trials(TrialKind::kSearch).size(), 1U);
   std::filesystem::remove(folder / "accuracy.sqlite");
   EXPECT_THAT(refusal_in(folder), HasSubstr("was chosen by accuracy rules 1"));
-  note_begin(folder, kAccuracyRules + 1.0, "direct light, 8 samples");
-  EXPECT_THAT(refusal_in(folder), HasSubstr("was begun by a newer Glint (accuracy rules 3"));
+  note_begin(folder, kBranchRules + 1.0, "direct light, 8 samples");
+  EXPECT_THAT(refusal_in(folder), HasSubstr("was begun by a newer Glint (accuracy rules 4"));
 }
 
 /// As if the search had begun with another rung, and one had not been there to be tried.

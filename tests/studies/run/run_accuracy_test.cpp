@@ -242,13 +242,14 @@ TEST(RunAccuracy, ASearchAtHalfResolutionTakesScoresLessTheirMeanErrors) {
   const Study study = study_from(folder, half_study());
   ThreadPool pool(2);
   SceneStore store(pool);
-  const std::optional<RenderRung> rung = rung_of_run(study, folder / "out");
-  ASSERT_TRUE(rung.has_value());
+  const std::optional<SearchRungs> rungs = rungs_of_run(study, folder / "out");
+  ASSERT_TRUE(rungs.has_value());
   const std::vector<Trial> trials =
       Storage::read(folder / "out/study.sqlite").trials(TrialKind::kSearch);
   ASSERT_EQ(trials.size(), 14U);
   for (const Trial& trial : trials) {
-    const Outcome raw = evaluate_at(store, study, overrides_of(study, trial.point), *rung);
+    const Outcome raw =
+        evaluate_at(store, study, overrides_of(study, trial.point), rungs->of(trial.point));
     EXPECT_DOUBLE_EQ(trial.outcome->scores.at("defects.min_weber"),
                      raw.scores.at("defects.min_weber") - offset)
         << trial.number;
@@ -291,6 +292,54 @@ TEST(RunAccuracy, RefusesWhatContradictsItBeforeAFolderIsMade) {
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   EXPECT_THROW(check_accuracy_choice(study_from(folder, kTunnelStudy + kAuto), true), ConfigError);
+}
+
+/// A polished cylinder under a tunnel, or under a ring, whose light is sampled.
+const std::string kTwoKinds =
+    replaced(test::kSmallTunnel, "schema = 1\n", "schema = 1\nlighting_use = \"ring\"\n") +
+    kPathRing + R"([sensor]
+blur_px = 0
+[render.paths]
+samples = 8
+batches = 4
+max_reflections = 1
+[variables]
+lighting_use = { choices = ["tunnel", "ring"] }
+"sensor.gain" = { min = 0.5, max = 2 }
+[objective]
+maximise = "homogeneity.mean"
+[search]
+algorithm = "random"
+[budget]
+evaluations = 6
+[accuracy]
+tolerance = { "homogeneity.mean" = 0.5 }
+)";
+
+// glint check says before what the run does, and what the run tells is what it did.
+TEST(RunAccuracy, EachKindOfLightHasARungOfItsOwn) {
+  const TemporaryFolder folder;
+  const Json branches = run_into(folder, kTwoKinds, "out")["accuracy"]["branches"];
+  ASSERT_EQ(branches.size(), 2U);
+  EXPECT_EQ(branches[0]["level"], "level 0");
+  EXPECT_EQ(branches[1]["rung"], "direct light, 8 samples");
+  const Study study = study_from(folder, kTwoKinds);
+  const std::optional<SearchRungs> rungs = rungs_of_run(study, folder / "out");
+  ASSERT_TRUE(rungs.has_value());
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  for (const Trial& trial : Storage::read(folder / "out/study.sqlite").trials(TrialKind::kSearch)) {
+    const RenderRung& rung = rungs->of(trial.point);
+    const Overrides overrides = overrides_of(study, trial.point);
+    EXPECT_EQ(trial.outcome->scores.at("homogeneity.mean"),
+              evaluate_at(store, study, overrides, rung).scores.at("homogeneity.mean"))
+        << trial.number << " by " << rung.name;
+  }
+  const Json before = check_study(study, {.threads = 2, .jobs = 2})["accuracy"]["branches"];
+  for (std::size_t i = 0; i < branches.size(); ++i) {
+    EXPECT_EQ(before[i]["rung"], branches[i]["rung"]);
+    EXPECT_EQ(before[i]["scores"], branches[i]["scores"]);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A study whose light is a tunnel over a mirror or a ring, with evaluations that are made up.
+#pragma once
+
+#include <string>
+
+#include "studies/definition/ladder/render_ladder.h"
+#include "studies/definition/study.h"
+
+namespace glint::test {
+
+inline constexpr const char* kBranchScore = "homogeneity.mean";
+inline constexpr std::size_t kTunnelBranch = 0;
+inline constexpr std::size_t kRingBranch = 1;
+
+/// The ring may be searched by 8 or 16 samples, and is compared with 64.
+/// @param accuracy  the rest of that table
+inline std::string branch_study(const std::string& accuracy) {
+  return R"(schema = 1
+[part]
+shape = "plate"
+length_mm = 12
+width_mm = 8
+thickness_mm = 1
+[camera]
+width_px = 48
+height_px = 32
+object_pixel_mm = 0.2
+working_distance_mm = 100
+[render.paths]
+samples = 16
+max_reflections = 1
+[lighting.tunnel]
+radius_mm = 60
+length_mm = 300
+slot_mm = 8
+[lighting.ring]
+inner_radius_mm = 15
+outer_radius_mm = 25
+height_mm = 30
+[variables]
+lighting_use = { choices = ["tunnel", "ring"] }
+"sensor.gain" = { min = 0.5, max = 2 }
+[objective]
+maximise = "homogeneity.mean"
+[search]
+algorithm = "random"
+[budget]
+evaluations = 90
+[accuracy]
+)" + accuracy +
+         "\n";
+}
+
+/// Values of a design of that study.
+struct BranchDesign {
+  bool is_ring = false;
+  double gain = 0.0;
+};
+
+inline BranchDesign branch_design(const Overrides& overrides) {
+  return {.is_ring = overrides.at(0).second.text == "ring", .gain = overrides.at(1).second.number};
+}
+
+/// 1 or -1, as if at random.
+inline double branch_sign(double gain) {
+  return static_cast<int>(gain * 1e4) % 2 == 0 ? 1.0 : -1.0;
+}
+
+inline Scores branch_scores(double score) {
+  return {{kBranchScore, score}, {"homogeneity.clipped_share", 0.0}};  // of the usual limit
+}
+
+}  // namespace glint::test

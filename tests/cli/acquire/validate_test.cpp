@@ -16,7 +16,7 @@
 namespace glint::test {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 using testing::HasSubstr;
 
 /// Each test has a copy of one run.
@@ -66,7 +66,7 @@ TEST_F(Validate, AgreesWithExitCodeZero) {
   photograph("0.5");
   const ProgramResult result = validate({"--json"});
   EXPECT_EQ(result.code, 0) << result.err << result.out;
-  EXPECT_NE(json::parse(result.out)["agreement"], "does_not_agree");
+  EXPECT_NE(Json::parse(result.out)["agreement"], "does_not_agree");
 }
 
 TEST_F(Validate, DisagreesWithExitCodeOne) {
@@ -74,7 +74,7 @@ TEST_F(Validate, DisagreesWithExitCodeOne) {
   const ProgramResult result = validate({});
   EXPECT_EQ(result.code, 1) << result.err << result.out;
   EXPECT_THAT(result.out, HasSubstr("Simulation and reality do not agree: exposure"));
-  EXPECT_EQ(json::parse(read_file(folder_ / "out/result.json"))["agreement"], "does_not_agree");
+  EXPECT_EQ(Json::parse(read_file(folder_ / "out/result.json"))["agreement"], "does_not_agree");
 }
 
 // The ring is dark in the only design that was photographed: where it is nobody can tell.
@@ -82,9 +82,9 @@ TEST_F(Validate, TellsWhatARefitCannotDetermineInTextFileAndPage) {
   photograph("0.5");
   const ProgramResult result = validate({"--refit"});
   EXPECT_EQ(result.code, 0) << result.err << result.out;
-  const json told = json::parse(read_file(folder_ / "out/result.json"));
+  const Json told = Json::parse(read_file(folder_ / "out/result.json"));
   bool has_ring = false;
-  for (const json& number : told["undetermined"]) {
+  for (const Json& number : told["undetermined"]) {
     has_ring = has_ring || (number["name"] == "light_place" && number["of"] == "ring");
     const std::string text = number["text"].get<std::string>();
     EXPECT_THAT(text, HasSubstr("undetermined"));
@@ -92,7 +92,7 @@ TEST_F(Validate, TellsWhatARefitCannotDetermineInTextFileAndPage) {
     EXPECT_THAT(read_file(folder_ / "out/report.html"), HasSubstr(text));
   }
   EXPECT_TRUE(has_ring) << told["undetermined"];
-  const json& inspected = told["designs"][0]["inspection"];
+  const Json& inspected = told["designs"][0]["inspection"];
   for (const char* side : {"simulated", "real"}) {
     const bool is_found = inspected[std::string("found_") + side].get<int>() > 0;
     EXPECT_EQ(inspected[std::string("right_class_") + side].is_object(), is_found) << inspected;

@@ -79,6 +79,14 @@ void ArmMotion::start_stop(double deceleration_rad_s2) {
   time_s_ = 0.0;
 }
 
+void ArmMotion::stand() {
+  motion_ = std::monostate();
+  flange_from_tcp_.setIdentity();
+  speed_rad_s_.setZero();
+  time_s_ = 0.0;
+  duration_s_ = 0.0;
+}
+
 std::string ArmMotion::advance(double dt_s) {
   if (!is_moving()) {
     speed_rad_s_.setZero();

@@ -61,6 +61,9 @@ class ArmMotion {
                   double acceleration_mm_s2);
   void start_stop(double deceleration_rad_s2);
 
+  /// Ends any motion at once: the arm stands where it is.
+  void stand();
+
   /// @return what ends the motion before its goal: "joint limit", "singularity"; empty: nothing
   std::string advance(double dt_s);
 

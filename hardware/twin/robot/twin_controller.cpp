@@ -243,7 +243,7 @@ void TwinController::restart() {
   controller_s_ = 0.0;
   is_held_ = false;
   program_.reset();
-  motion_ = ArmMotion(settings_.arm, motion_.joints_rad());
+  motion_.stand();
   int_registers_ = {};
   double_registers_ = {};
   messages_.clear();

@@ -76,7 +76,8 @@ void expect_found(int width_px) {
   EXPECT_NEAR(fit->change, 0.05, std::max(0.004, 4.0 * fit->sigma));
   EXPECT_LT(fit->sigma, 0.003);
   EXPECT_GT(fit->sigma, 0.5 * fit->bound);
-  EXPECT_GT(fit->bound, 0.1 * fit->sigma);
+  // The renderings' own noise, which is most of it here, is not in the bound.
+  EXPECT_GT(fit->bound, 0.02 * fit->sigma);
   EXPECT_NEAR(fit->gain, 0.9, 0.01);
   EXPECT_GE(fit->renders, 2);
   EXPECT_LE(fit->renders, 3);

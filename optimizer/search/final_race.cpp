@@ -202,7 +202,9 @@ class FinalRacing {
       for (const std::size_t k : draw.replicates) {
         drawn += racer.replicates[k].at(name) / static_cast<double>(draw.replicates.size());
       }
-      value += draw.width * (drawn - value);
+      if (std::isfinite(value)) {  // an infinite mean stays so: NaN would keep every limit
+        value += draw.width * (drawn - value);
+      }
     }
     return scores;
   }

@@ -5,6 +5,7 @@
 #include "optimizer/search/expected_limits.h"
 
 #include <cmath>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -246,6 +247,23 @@ TEST(NoisyLimits, OfARaceAreKeptWhereHalfOfTheSamplesKeepThem) {
   EXPECT_EQ(by_means.best, 0U);
   EXPECT_TRUE(by_means.racers[0].keeps_limits);
   EXPECT_FALSE(by_means.racers[0].feasible_chance);
+}
+
+TEST(NoisyLimits, OfARaceAreMissedByAnInfiniteScore) {
+  const TemporaryFolder folder;
+  Storage storage = Storage::open(folder / "s.sqlite", test::identity());
+  const auto evaluate = [](const Entrant& entrant, int replicate) {
+    const bool is_endless = entrant.trial == 1 && replicate % 2 == 0;
+    return Scores{{"gain", entrant.trial == 1 ? 12.0 : 9.0},
+                  {"glare", is_endless ? std::numeric_limits<double>::infinity() : 1.0}};
+  };
+  const std::vector<Entrant> entrants = {{.key = "trial 1", .trial = 1, .point = {0.1}},
+                                         {.key = "trial 2", .trial = 2, .point = {0.2}}};
+  const FinalRace found =
+      *run_final_race(kMostGain, entrants, storage, evaluate, nullptr, RaceLimits::kByChance);
+  EXPECT_EQ(found.best, 1U);
+  EXPECT_EQ(found.racers[0].feasible_chance, 0.0);
+  EXPECT_FALSE(found.racers[0].keeps_limits);
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ bool are_alike(const SearchSpace& space, const Point& a, const Point& b) {
   return true;
 }
 
-/// The feasible trials, `first` first, then by what is expected of them.
+/// `first`, feasible or not, then the feasible trials by what is expected of them.
 std::vector<const Trial*> in_order(const Goal& goal,
                                    std::span<const Trial> trials,
                                    const Expectations& expected,
@@ -48,7 +48,8 @@ std::vector<const Trial*> in_order(const Goal& goal,
                                    const LimitExpectations& limits) {
   std::vector<const Trial*> ordered;
   for (const Trial& trial : trials) {
-    if (is_judgeable(goal, trial) && is_likely_feasible(goal, trial, limits)) {
+    if (is_judgeable(goal, trial) &&
+        (trial.number == first || is_likely_feasible(goal, trial, limits))) {
       ordered.push_back(&trial);
     }
   }

@@ -42,7 +42,7 @@ Expectations with_exact_scores(const Goal& goal,
 /// them, else by what was seen, the best first; feasible is likewise what is_likely_feasible(). Of
 /// two that differ by less than 1 % of the range in every variable the worse is left out.
 /// @param space  checked
-/// @param first  the number of a feasible trial that is taken in any case, first
+/// @param first  the number of a trial that is taken in any case where it has scores, first
 /// @param count  >= 1, so many at most, and beyond them
 /// @param kinds  index of a choice: the best of each of its values that has no design among them
 /// @return numbers of trials

@@ -50,6 +50,12 @@ int num_finalists(const Study& study, int evaluations) {
   return study.budget.race.value_or(study.search.is_noisy ? race_size(evaluations) : 0);
 }
 
+/// Without scores of its best there is no finalist.
+bool has_finalist(const Study& study, const SearchResult& search) {
+  return search.best && search.best->outcome && !search.best->outcome->is_failed &&
+         problem_with(study.goal, search.best->outcome->scores).empty();
+}
+
 bool can_race(const Study& study) {
   return study.has_search() && study.has_objective && !has_several_objectives(study.goal);
 }
@@ -305,7 +311,7 @@ std::string race_text(const Json& race) {
 }  // namespace
 
 bool has_race(const Study& study, const SearchResult& search) {
-  return can_race(study) && search.best && search.is_feasible &&
+  return can_race(study) && has_finalist(study, search) && search.is_feasible &&
          num_finalists(study, search.evaluations) > 0;
 }
 

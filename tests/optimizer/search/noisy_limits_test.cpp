@@ -98,6 +98,9 @@ TEST(LikelyFeasible, IsWhatIsExpectedToKeepLimitsAndNotWhatWasSeenTo) {
   const SearchSpace space = test::box(1, 0, 1);
   EXPECT_EQ(finalists_of(kMostGain, space, kFour, {}, 1, 4, std::nullopt, kOfThree),
             (std::vector<int>{1, 3, 4}));
+  EXPECT_EQ(finalists_of(kMostGain, space, kFour, {}, 2, 4, std::nullopt, kOfThree),
+            (std::vector<int>{2, 1, 3, 4}))
+      << "the first in any case";
   EXPECT_EQ(finalists_of(kMostGain, space, kFour, {}, 2, 4), (std::vector<int>{2, 3, 4}));
 }
 

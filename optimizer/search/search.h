@@ -84,6 +84,7 @@ struct SearchTask {
   std::vector<Point> start_points;  ///< evaluated first, in order
   int jobs = 1;                     ///< evaluations at once; more than settings.batch has no use
   ExactScores exact = {};           ///< what follows from a design alone
+  std::vector<std::string> steady = {};  ///< limited scores that noise does not move
   /// Compute every recorded ask again and compare it; false: of methods whose state follows from
   /// the record alone the last batch and some drawn ones.
   bool verify_replay = false;

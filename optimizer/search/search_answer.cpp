@@ -57,11 +57,10 @@ LimitExpectations expected_limits_of(const SearchTask& task, const SearchMemory&
   if (!task.settings.is_noisy || task.settings.rules < 8 || task.goal.constraints.empty()) {
     return {};
   }
-  return limit_expectations_of(task.goal,
-                               memory.trials,
-                               memory.tells,
-                               memory.algorithm->expected_limits(),
-                               task.exact.names);
+  std::vector<std::string> as_seen = task.exact.names;
+  as_seen.insert(as_seen.end(), task.steady.begin(), task.steady.end());
+  return limit_expectations_of(
+      task.goal, memory.trials, memory.tells, memory.algorithm->expected_limits(), as_seen);
 }
 
 void take_answer(const SearchTask& task, const SearchMemory& memory, SearchResult& result) {

@@ -13,6 +13,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "metrics/scores.h"
 #include "optimizer/algorithm/merit.h"
 #include "optimizer/front/choice_cost.h"
 #include "optimizer/search/trade_off.h"
@@ -101,6 +102,17 @@ Json noise_history(const Study& study,
     list.push_back({place, trade_off(study.goal, first, reference, of_front, search.limits).noise});
   }
   return list;
+}
+
+/// Limited scores of which an evaluation tells all, though a design alone does not tell them.
+std::vector<std::string> steady_limits(const Goal& goal) {
+  std::vector<std::string> names;
+  for (const Constraint& constraint : goal.constraints) {
+    if (is_of_coverage(constraint.name) || is_of_reach(constraint.name)) {
+      names.push_back(constraint.name);
+    }
+  }
+  return names;
 }
 
 /// What a search knows beside its trials.
@@ -347,7 +359,8 @@ SearchTask search_task(const Study& study, int jobs) {
           .budget = study.budget,
           .start_points = {baseline_point(study)},
           .jobs = jobs,
-          .exact = exact_lighting(study)};
+          .exact = exact_lighting(study),
+          .steady = steady_limits(study.goal)};
 }
 
 WantedScores wanted_in_search(const Study& study) {

@@ -208,6 +208,32 @@ TEST(NoisyLimits, WhereNoDesignIsExpectedToKeepThemTheAnswerIsNotFeasible) {
   EXPECT_TRUE(search_for_gain(earlier, 7, 16, {}, -1.0).is_feasible);
 }
 
+/// The first design is exactly on the border, the second just beyond it.
+SearchResult search_with_share(std::vector<std::string> steady, std::optional<double> largest) {
+  const TemporaryFolder folder;
+  const SearchTask task = {.space = test::box(2, 0, 1),
+                           .settings = {.algorithm = "gp", .is_noisy = true},
+                           .goal = {.objective = {.name = "gain"},
+                                    .constraints = {{.name = "share", .min = 1.0, .max = largest}}},
+                           .budget = {.evaluations = 16},
+                           .start_points = {{0.4, 0.5}, {0.8, 0.5}},
+                           .steady = std::move(steady)};
+  return test::search_into(folder, task, [](const Point& p, int /*trial*/) {
+    return Outcome{
+        .scores = {{"gain", p[0]}, {"gain.error", 0.02}, {"share", p[0] <= 0.6 ? 1.0 : 0.999}}};
+  });
+}
+
+TEST(NoisyLimits, OfScoresThatNoiseDoesNotMoveStandAsSeen) {
+  for (const std::optional<double> largest : {std::optional<double>(), std::optional(1.0)}) {
+    const SearchResult found = search_with_share({"share"}, largest);
+    EXPECT_EQ(found.limits.at(1).probability, 1.0);
+    EXPECT_EQ(found.limits.at(2).probability, 0.0);
+    EXPECT_TRUE(found.is_feasible);
+    EXPECT_LT(search_with_share({}, largest).limits.at(1).probability, 1.0);
+  }
+}
+
 /// Only designs beyond the limit have 0.65.
 TEST(NoisyLimits, ATargetIsNotReachedByADesignThatIsExpectedToMissThem) {
   const TemporaryFolder folder;

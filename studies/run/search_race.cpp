@@ -109,14 +109,16 @@ std::vector<NamedEntrant> entrants_of(const Study& study,
   return all;
 }
 
-/// Also scores that noise does not change, where the goal names them: without them no replicate
-/// could be judged.
+/// Also scores that noise does not change and those of trials, where the goal names them: without
+/// them no replicate could be judged.
 WantedScores wanted_in_race(const Study& study) {
   const WantedScores by_goal = wanted_by(study.goal);
   WantedScores wanted = wanted_of_repeats(study);
   wanted.coverage = by_goal.coverage;
   wanted.reach = by_goal.reach;
   wanted.lighting = by_goal.lighting;
+  wanted.reference = by_goal.reference;
+  wanted.trials = by_goal.trials;
   return wanted;
 }
 

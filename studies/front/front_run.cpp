@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/log.h"
+#include "optimizer/search/expected_limits.h"
 #include "studies/front/front_designs.h"
 #include "studies/front/front_page.h"
 #include "studies/front/front_probability.h"
@@ -30,13 +31,18 @@ int scans_of(const Json& written) {
   return repeated.empty() ? 0 : static_cast<int>(repeated.begin()->size());
 }
 
+/// Its limits are judged as in the front, where models judge them.
 Json write_full(const FrontTask& task, const SceneSettings& scene, const Json& design) {
   const int trial = design["trial"];
-  const Json head = {{"title", fmt::format("Evaluation {}", trial)},
-                     {"study", task.study.title},
-                     {"role", "front"},
-                     {"variables", design["variables"]},
-                     {"trial", trial}};
+  Json head = {{"title", fmt::format("Evaluation {}", trial)},
+               {"study", task.study.title},
+               {"role", "front"},
+               {"variables", design["variables"]},
+               {"trial", trial}};
+  if (design.contains("limits")) {
+    head["feasible"] = design["limits"]["probability"].get<double>() >= kFeasibleChance;
+    head["limits"] = design["limits"];
+  }
   return task.write(design["folder"], scene, head, lacks_errors(task.study, design));
 }
 

@@ -154,6 +154,20 @@ TEST(FrontRun, OfNoisyObjectivesTheFrontIsOfWhatTheModelExpects) {
   EXPECT_FALSE(calm.contains("front_expected"));
 }
 
+/// Not by the one evaluation that is written.
+TEST(FrontRun, WrittenDesignsOfANoisyFrontKeepLimitsAsTheFrontSays) {
+  const TemporaryFolder folder;
+  const Json result = noisy_run_into(folder);
+  for (const Json& design : result.at("front")) {
+    if (design.at("shown") == "full") {
+      const Json written = Json::parse(
+          read_file(folder / "out" / design.at("folder").get<std::string>() / "scores.json"));
+      EXPECT_EQ(written.at("feasible"), true);
+      EXPECT_EQ(written.at("limits"), design.at("limits"));
+    }
+  }
+}
+
 /// The database alone tells what was seen.
 TEST(FrontRun, TheReportOfANoisyRunHasTheFrontOfTheRun) {
   const TemporaryFolder folder;

@@ -85,18 +85,21 @@ std::string raised_names(const ChosenAccuracy& before, const ChosenAccuracy& aft
   return join(names, ", ");
 }
 
+/// @param evaluations  of the parts that rise; others are not evaluated again
 std::string raised_sentence(const CheckedDesign& design,
                             const std::string& from,
                             const std::string& to,
-                            int evaluations) {
+                            int evaluations,
+                            bool has_branches) {
   return fmt::format(
-      "Trial {} differs between \"{}\" and \"{}\" by more than the bound ({}): all {} designs "
+      "Trial {} differs between \"{}\" and \"{}\" by more than the bound ({}): all {} designs {}"
       "evaluated so far were evaluated again by {}",
       design.trial,
       from,
       design.rung,
       join(design.beyond, ", "),
       evaluations,
+      has_branches ? "of these branches " : "",
       to);
 }
 
@@ -287,7 +290,8 @@ EndedEpoch SearchReview::ended_by(const CheckedDesign& design,
     ended.search_work += part.rung().work * static_cast<double>(count);
     ended.check_work += works_[i];
   }
-  ended.sentence = raised_sentence(design, old, raised_names(chosen_, raised), ended.evaluations);
+  ended.sentence = raised_sentence(
+      design, old, raised_names(chosen_, raised), ended.evaluations, !chosen_.branches.empty());
   return ended;
 }
 

@@ -139,7 +139,8 @@ TEST(BranchReview, RaisesTheRungOfTheBranchThatIsBeyondItsBound) {
   EXPECT_EQ(ended.rung, kCoarseRing);
   EXPECT_GE(ended.evaluations, kUncheckedEvaluations) << "of the ring";
   EXPECT_THAT(ended.sentence,
-              AllOf(HasSubstr("\"direct light, 16 samples\" (lighting_use = ring)"),
+              AllOf(HasSubstr(" designs of these branches evaluated so far were evaluated again"),
+                    HasSubstr("\"direct light, 16 samples\" (lighting_use = ring)"),
                     Not(HasSubstr("tunnel"))));
   const ChosenAccuracy& chosen = *run.found.chosen;
   EXPECT_EQ(chosen.branches[kRingBranch].rung().name, kFineRing);

@@ -144,6 +144,38 @@ TEST(NoiseRules, ATargetThatIsEasedEndsTheRunAtOnceWhereItIsExpectedAlready) {
   EXPECT_EQ(search_with_bad_end(earlier, eased, 7).termination, Termination::kEvaluations);
 }
 
+/// In batches of four. @param stop_at  the trial that an interrupt cuts short; 0: none
+SearchResult search_in_fours(const TemporaryFolder& folder, double target, int stop_at = 0) {
+  const SearchTask task = {.space = test::box(2, 0, 1),
+                           .settings = {.algorithm = "gp", .batch = 4, .is_noisy = true},
+                           .goal = {.objective = {.name = "gain"}},
+                           .budget = {.evaluations = 40, .target = target}};
+  std::atomic<int> interrupt = 0;
+  const auto evaluate = [&](const Point& p, int trial) {
+    if (trial == stop_at) {
+      interrupt = 2;
+      throw EvaluationAborted();
+    }
+    const double hill = 5.0 - 8.0 * (std::pow(p[0] - 0.3, 2) + std::pow(p[1] - 0.6, 2));
+    return Outcome{.scores = {{"gain", hill}, {"gain.error", 0.05}}};
+  };
+  return test::search_into(folder, task, evaluate, &interrupt);
+}
+
+/// Trial 26 is the second of its batch.
+TEST(NoiseRules, ATargetThatIsEasedAmidABatchEndsTheRunBeforeTheRestOfIt) {
+  for (const double target : {4.0, 9.0}) {
+    const TemporaryFolder folder;
+    const SearchResult cut = search_in_fours(folder, 9.0, 26);
+    ASSERT_EQ(cut.termination, Termination::kInterrupted);
+    ASSERT_EQ(cut.evaluations, 25);
+    const SearchResult resumed = search_in_fours(folder, target);
+    const bool is_eased = target < 9.0;
+    EXPECT_EQ(resumed.termination, is_eased ? Termination::kTarget : Termination::kEvaluations);
+    EXPECT_EQ(resumed.evaluations, is_eased ? 25 : 40);
+  }
+}
+
 TEST(NoiseRules, ATargetThatIsEasedToWhatOneLuckyEvaluationHasDoesNotEndTheRun) {
   const TemporaryFolder folder;
   search_for(folder, 9.0, 3.0, 20, kSearchRules);

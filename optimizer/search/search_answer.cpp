@@ -2,6 +2,7 @@
 #include "optimizer/search/search_answer.h"
 
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 

@@ -151,6 +151,17 @@ TEST(SearchRace, ChoosesTheWinnerOfANoisySearch) {
   EXPECT_NE(told.at("value"), told.at("seen"));
 }
 
+/// Which a scan alone does not have.
+TEST(SearchRace, ReplicatesHaveBoundsOfIntervals) {
+  const NoisyRun& run = noisy_run(kNoisyRing +
+                                  "[constraints]\n\"defects.min_weber.low\" = { min = -1000 }\n"
+                                  "[inspection.trials]\nnoise_seeds = 2\n");
+  for (const Json& row : run.result.at("race").at("entrants")) {
+    EXPECT_GE(row.at("replicates"), 4) << row.at("key");
+    EXPECT_EQ(row.at("keeps_limits"), true) << row.at("key");
+  }
+}
+
 // As `glint check` predicts it: 10 evaluations are the search, all those of the race are not.
 TEST(SearchRace, CountsAsRescoring) {
   const auto search_s = [](const std::string& text) {

@@ -191,7 +191,10 @@ TEST(KnownChanges, AreNamedWithHonestSigmas) {
   const std::span<const Json> told(rows);
   const auto known = static_cast<std::size_t>(cases);
   expect_honest(totals_of(told.first(known)), cases);
-  expect_honest(totals_of(told.subspan(known, static_cast<std::size_t>(all - cases))), all - cases);
+  if (all > cases) {  // none may be asked for
+    const auto rough = static_cast<std::size_t>(all - cases);
+    expect_honest(totals_of(told.subspan(known, rough)), all - cases);
+  }
 }
 
 // The last row was cut when its run was stopped: the next one takes its place.

@@ -96,6 +96,25 @@ std::vector<LensView> lens_views(std::span<const RefinedView> views) {
   return list;
 }
 
+/// Gains were fitted beside the roughness where a view tells it: both of these views alone, where
+/// there are any.
+PairCauses joint_greys(std::span<const RefinedView> views) {
+  const auto tells = [](const RefinedView& view) { return view.causes.roughness_change != 0.0; };
+  const bool is_told = std::ranges::any_of(views, tells);
+  std::vector<double> gains;
+  std::vector<double> rougher;
+  for (const RefinedView& view : views) {
+    if (!is_told || tells(view)) {
+      gains.push_back(view.causes.gain);
+      rougher.push_back(view.causes.roughness_change);
+    }
+  }
+  PairCauses greys;
+  greys.gain = median(gains);
+  greys.roughness_change = median(rougher);
+  return greys;
+}
+
 }  // namespace
 
 SceneSettings read_exposed_scene(const CompareSource& source) {
@@ -137,21 +156,14 @@ std::optional<SceneSettings> jointly_refined(std::span<const RefinedView> views)
   }
   const std::vector<CauseVector> changes =
       fit_joint_lens(lens_views(views), intrinsics_of(views.front().scene), lens_causes(views));
-  std::vector<double> gains;
-  std::vector<double> rougher;
   std::vector<Viewpoint> viewpoints;
   SceneSettings joint;
   for (std::size_t i = 0; i < views.size(); ++i) {
     joint = views[i].scene;
     put_changes(changes[i], views[i].causes.middle_mm, joint);
     viewpoints.push_back(joint.viewpoint());
-    gains.push_back(views[i].causes.gain);
-    rougher.push_back(views[i].causes.roughness_change);
   }
-  PairCauses greys;
-  greys.gain = median(gains);
-  greys.roughness_change = median(rougher);
-  joint = refined_scene(joint, greys);
+  joint = refined_scene(joint, joint_greys(views));
   joint.viewpoints = std::move(viewpoints);
   return joint;
 }

@@ -35,8 +35,9 @@ struct RefinedView {
 };
 
 /// One scene of all views: each from its own viewpoint as its picture has it, with the lens that
-/// fits all of them together (fit_joint_lens(), of what some view says that its lens does), the
-/// median of their gains and that of their changes of roughness, beside which gains were fitted.
+/// fits all of them together (fit_joint_lens(), of what some view says that its lens does), and the
+/// median of their gains; where views tell a change of roughness, its median and that of the gains
+/// beside which it was fitted, of these views alone.
 /// @return nothing for fewer than two viewpoints, for views of scenes that differ in more than
 ///         their viewpoint, of which one has doubtful edges, or that allow one viewpoint only
 std::optional<SceneSettings> jointly_refined(std::span<const RefinedView> views);

@@ -139,14 +139,14 @@ TEST(JointlyRefined, HasTheMedianOfRoughnessBesideThatOfGains) {
                                     view_with_longer_lens(30.0, 1.3, 2),
                                     view_with_longer_lens(-30.0, 1.2, 3)};
   const double own = views[0].scene.material.roughness;
-  const std::vector<double> changes = {0.05, 0.04, 0.0};  // one view does not tell it
+  const std::vector<double> changes = {0.05, 0.0, 0.03};  // one view does not tell it
   for (std::size_t i = 0; i < views.size(); ++i) {
     views[i].causes.roughness_change = changes[i];
   }
   const auto joint = jointly_refined(views);
   ASSERT_TRUE(joint.has_value());
   EXPECT_NEAR(joint->material.roughness, own + 0.04, 1e-12);
-  EXPECT_NEAR(joint->sensor.gain, 1.1 * 1.2, 1e-9);
+  EXPECT_NEAR(joint->sensor.gain, 1.1 * 1.15, 1e-9) << "of the views that tell the roughness";
 }
 
 TEST(JointlyRefined, IsNothingForOneViewOrForOtherScenes) {

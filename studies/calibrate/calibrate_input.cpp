@@ -70,13 +70,8 @@ bool is_of_table(const KeyValue& set, const std::string& name) {
 
 /// Where nothing is calibrated: of the poses alone.
 void check_pose_sets(const CalibrateOptions& options) {
+  check_sets_are_of_poses(options.sets);
   for (const KeyValue& set : options.sets) {
-    if (set.path != kPairBy && !is_of_table(set, kTable)) {
-      throw ConfigError(fmt::format(
-          "--set: {}: must begin with \"convention.\", like convention.unit=m, or be {}",
-          set.path,
-          kPairBy));
-    }
     if (options.poses.empty()) {
       throw ConfigError(fmt::format("--set: {}: needs --poses", set.path));
     }
@@ -391,6 +386,17 @@ std::vector<Eigen::Isometry3d> picture_poses(const CalibrateInput& input,
     poses.push_back(base_from_flange(input.poses->written[pose], convention));
   }
   return poses;
+}
+
+void check_sets_are_of_poses(const std::vector<KeyValue>& sets) {
+  for (const KeyValue& set : sets) {
+    if (set.path != kPairBy && !is_of_table(set, kTable)) {
+      throw ConfigError(fmt::format(
+          "--set: {}: must begin with \"convention.\", like convention.unit=m, or be {}",
+          set.path,
+          kPairBy));
+    }
+  }
 }
 
 std::vector<Eigen::Isometry3d> poses_of_pictures(const CalibrateOptions& options) {

@@ -64,6 +64,9 @@ struct CalibrateInput {
 std::vector<Eigen::Isometry3d> picture_poses(const CalibrateInput& input,
                                              const PoseConvention& convention);
 
+/// Of what only reads poses. @throws ConfigError naming a key that says nothing of them
+void check_sets_are_of_poses(const std::vector<KeyValue>& sets);
+
 /// base_from_flange of each picture, without looking for boards.
 /// @throws ConfigError, also for sets that are not of poses; IoError
 std::vector<Eigen::Isometry3d> poses_of_pictures(const CalibrateOptions& options);

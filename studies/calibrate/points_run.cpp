@@ -183,6 +183,7 @@ Json draw_points(const fs::path& points_file, const CalibrateOptions& options) {
   if (options.camera.empty()) {
     throw ConfigError("--camera: is missing; give a calibration.json or its folder");
   }
+  check_sets_are_of_poses(options.sets);  // also where a camera beside the arm needs no poses
   const fs::path out =
       options.out.empty() ? folder_of_pictures(options.pictures, ResultKind::kPoints) : options.out;
   const std::vector<std::string> names = written_names(options.pictures);

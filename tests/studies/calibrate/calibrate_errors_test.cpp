@@ -194,6 +194,9 @@ TEST_F(CalibrateErrors, ModesTakeTheirOwnOptionsOnly) {
   expect_refused({"grey1.png"},
                  {"--points", "points.csv", "--camera", "other.json"},
                  "points.csv:1:1: has no column z_mm");
+  expect_refused({"grey1.png"},
+                 {"--points", "points.csv", "--camera", "other.json", "--set", "seed=2"},
+                 "--set: seed: must begin with \"convention.\"");
 }
 
 TEST_F(CalibrateErrors, FilesOfOthersAreKept) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/robot/tcp_link.h"
 
+#include <linux/sockios.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -162,6 +164,11 @@ void TcpLink::set_longest_delivery(double seconds) {
                TCP_USER_TIMEOUT,
                &milliseconds,
                sizeof(milliseconds));
+}
+
+bool TcpLink::has_undelivered() const {
+  int bytes = 0;
+  return ::ioctl(impl_->socket.native_handle(), SIOCOUTQ, &bytes) == 0 && bytes > 0;
 }
 
 std::string TcpLink::read(double timeout_s) {

@@ -37,6 +37,9 @@ class TcpLink {
   /// @param seconds  0: as long as the system tries, which may be a quarter of an hour
   void set_longest_delivery(double seconds);
 
+  /// Bytes that were written wait to be sent, or the peer's machine has not acknowledged them.
+  bool has_undelivered() const;
+
   /// What has come, at most 64 kB: empty when nothing came in time.
   /// @throws IoError when the peer has closed the connection
   std::string read(double timeout_s);

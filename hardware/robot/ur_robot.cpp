@@ -24,11 +24,26 @@ constexpr double kDashboardS = 2.0;
 /// A motion begins so soon or never, also when this process is killed while a cable is out. A stop
 /// may come as late as it gets there.
 constexpr double kMotionDeliveryS = 2.0;
+/// What arrived is acknowledged by then: machines may wait 40 ms with that.
+constexpr double kAcknowledgedS = 0.06;
 constexpr auto kPoll = std::chrono::milliseconds(20);
 
 /// A text that begins with the peer's address, once: connections name it, protocols do not.
 std::string with_address(const std::string& peer, const std::string& why) {
   return why.starts_with(peer + ":") ? why : fmt::format("{}: {}", peer, why);
+}
+
+/// A motion that still waits to be sent would come with the stop behind it, as late as the stop
+/// may.
+/// @throws IoError  the stop must go out on another connection
+void check_nothing_waits(const TcpLink& link) {
+  const auto begin = std::chrono::steady_clock::now();
+  while (link.has_undelivered()) {
+    if (seconds_since(begin) > kAcknowledgedS) {
+      throw IoError(fmt::format("{}: what was sent before the stop has not arrived", link.peer()));
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
 }
 
 }  // namespace
@@ -70,6 +85,9 @@ struct UrRobot::Impl {
     }
     if (!output.empty()) {
       has_sent = true;
+      if (is_stop) {
+        check_nothing_waits(*link);
+      }
       link->set_longest_delivery(is_stop ? 0.0 : kMotionDeliveryS);
       link->write(output, kWriteS);
     }

@@ -11,6 +11,7 @@
 #include <future>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -153,6 +154,25 @@ TEST(TcpLink, DeliversNothingAfterTheLongestTimeForIt) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_THROW(full.link.read(5.0), IoError) << "the connection is closed";
   EXPECT_LT(seconds_since(begin), 4.0);
+}
+
+// As a motion that has not arrived when it is to be stopped.
+TEST(TcpLink, TellsThatBytesWaitToBeDelivered) {
+  const FullLink full;
+  ASSERT_TRUE(full.is_full);
+  EXPECT_TRUE(full.link.has_undelivered());
+}
+
+TEST(TcpLink, HasNothingUndeliveredWhenThePeerHasIt) {
+  const LoopbackListener listener;
+  TcpLink link("127.0.0.1", listener.port(), 1.0);
+  EXPECT_FALSE(link.has_undelivered());
+  link.write("stopj(2)", 1.0);
+  const auto begin = std::chrono::steady_clock::now();
+  while (link.has_undelivered() && seconds_since(begin) < 2.0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_FALSE(link.has_undelivered());
 }
 
 // As a motion whose stop goes out on another connection.

@@ -265,12 +265,15 @@ ServingTwins twins_of(const std::string& kind,
 }
 
 /// @throws ConfigError for a port that no twin of this kind would listen at
-void check_twin_port(const std::string& kind, const CellArguments& arguments) {
+void check_twin_port(const std::string& kind, const Cell& cell, const CellArguments& arguments) {
   if (kind == "camera" && arguments.port.value_or(0) != 0) {
     throw ConfigError(
         fmt::format("glint cell twin camera: --port {}: every camera listens at port 3956, each at "
                     "an address of its own; --port 0 takes a free address",
                     *arguments.port));
+  }
+  if (kind != "camera") {
+    check_robot_twin_port(cell, arguments.port);
   }
 }
 
@@ -294,8 +297,8 @@ int twin_action(const CellArguments& arguments, const CommonArguments& common) {
     throw ConfigError(fmt::format(
         "glint cell twin {}: there are camera, robot, both, stop, place and light", kind));
   }
-  check_twin_port(kind, arguments);
   const Cell cell = read_cell(arguments.words[1]);
+  check_twin_port(kind, cell, arguments);
   serve_twins([&] { return twins_of(kind, cell, arguments, common.threads); },
               {.is_detached = arguments.is_detached, .ready_file = arguments.ready_file},
               [&common](const Json& ready) { print_result(common, ready, twins_text(ready)); });

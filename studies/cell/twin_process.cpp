@@ -186,6 +186,17 @@ void tell_camera_twin(const std::filesystem::path& ready_file, const std::string
   }
 }
 
+TwinPorts ports_of_twin(const UrSettings& robot, std::optional<int> port) {
+  if (!port) {
+    return {.rtde = robot.rtde_port,
+            .primary = robot.primary_port,
+            .secondary = robot.secondary_port,
+            .dashboard = robot.dashboard_port};
+  }
+  const auto at = [&port](int offset) { return *port == 0 ? 0 : *port + offset; };
+  return {.rtde = at(0), .primary = at(1), .secondary = at(2), .dashboard = at(3)};
+}
+
 }  // namespace
 
 Json robot_twin_description(const TwinServer& server) {
@@ -265,18 +276,26 @@ Json switch_light_in_twins(const std::filesystem::path& ready_file,
   return {{"schema", 1}, {"status", "done"}, {"light", light}, {"on", is_on}};
 }
 
+void check_robot_twin_port(const Cell& cell, std::optional<int> port) {
+  if (!cell.robot || port.value_or(0) == 0) {
+    return;
+  }
+  const TwinPorts ports = ports_of_twin(*cell.robot, port);
+  UrSettings served = *cell.robot;
+  served.rtde_port = ports.rtde;
+  served.primary_port = ports.primary;
+  served.secondary_port = ports.secondary;
+  served.dashboard_port = ports.dashboard;
+  if (const auto wrong = wrong_port(served)) {
+    throw ConfigError(fmt::format(
+        "--port {}: {} of the robot's twin {}", *port, std::string(wrong->key), wrong->text));
+  }
+}
+
 TwinServerSettings robot_twin_settings(const Cell& cell, std::optional<int> port) {
   const UrSettings& robot = robot_of(cell);
   const ArmWithTool arm = arm_with_tool(robot, cell.limits);
   const CellPosition& start = safe_position_of(cell, "");
-  TwinPorts ports = {.rtde = robot.rtde_port,
-                     .primary = robot.primary_port,
-                     .secondary = robot.secondary_port,
-                     .dashboard = robot.dashboard_port};
-  if (port) {
-    const auto at = [&port](int offset) { return *port == 0 ? 0 : *port + offset; };
-    ports = {.rtde = at(0), .primary = at(1), .secondary = at(2), .dashboard = at(3)};
-  }
   return {
       .twin = {.arm = arm.arm,
                .start_rad = Eigen::Map<const JointVector>(start.joints_rad.data()),
@@ -284,7 +303,7 @@ TwinServerSettings robot_twin_settings(const Cell& cell, std::optional<int> port
                .payload_kg = robot.payload_kg,
                .payload_cog_mm = Eigen::Map<const Eigen::Vector3d>(robot.payload_cog_mm.data())},
       .address = "127.0.0.1",
-      .ports = ports,
+      .ports = ports_of_twin(robot, port),
       .speedup = cell.motion_speedup};
 }
 

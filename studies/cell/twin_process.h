@@ -63,6 +63,10 @@ nlohmann::ordered_json switch_light_in_twins(const std::filesystem::path& ready_
                                              const std::string& light,
                                              bool is_on);
 
+/// @param port  as robot_twin_of()
+/// @throws ConfigError where the robot's twin would have ports that with_ports() refuses
+void check_robot_twin_port(const Cell& cell, std::optional<int> port);
+
 /// What robot_twin_of() serves, for those who wire it to other twins.
 TwinServerSettings robot_twin_settings(const Cell& cell, std::optional<int> port);
 

@@ -61,5 +61,23 @@ TEST(ServeTwins, LeaveAFileThatIsNoReadyFileAlone) {
   EXPECT_EQ(problem("to_come.json"), "twins are made");
 }
 
+// Each of the ready files would be refused when it is read.
+TEST(RobotTwinPort, IsNoneThatLeadsWhatOnlyAsksToScripts) {
+  Cell cell;
+  cell.robot.emplace();
+  const auto problem = [&cell](int port) {
+    return text_thrown_by<ConfigError>([&] { check_robot_twin_port(cell, port); });
+  };
+  for (const int rtde : {30001, 30002, 30003, 30020}) {
+    EXPECT_THAT(problem(rtde), testing::HasSubstr("rtde_port of the robot's twin is")) << rtde;
+    EXPECT_THAT(problem(rtde - 3), testing::HasSubstr("dashboard_port of the robot's twin is"))
+        << rtde;
+  }
+  for (const int port : {0, 29997, 30004, 40000}) {
+    EXPECT_NO_THROW(check_robot_twin_port(cell, port)) << port;
+  }
+  EXPECT_NO_THROW(check_robot_twin_port(cell, std::nullopt));
+}
+
 }  // namespace
 }  // namespace glint

@@ -30,6 +30,7 @@
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
+#include "studies/output/run_folder.h"
 #include "studies/output/staged_folder.h"
 
 namespace glint {
@@ -40,7 +41,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 fs::path default_folder(const CompareInputs& inputs) {
-  const std::string name = name_of_source(inputs.simulated);
+  const std::string name = name_within_run(inputs.simulated);
   return default_result_folder(name.empty() ? "comparison" : name, ResultKind::kCompare);
 }
 

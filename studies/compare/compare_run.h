@@ -16,7 +16,7 @@ namespace glint {
 
 struct CompareOptions {
   CompareInputs inputs;
-  std::filesystem::path out;    ///< empty: out/<name of the simulated side>/compare
+  std::filesystem::path out;    ///< empty: out/<name_within_run() of the simulated side>/compare
   std::filesystem::path mask;   ///< of the real part; empty: it is found
   std::filesystem::path scene;  ///< of simulated pictures that come without one; empty: none
   std::string outline = "auto";

@@ -38,6 +38,24 @@ fs::path run_above(const fs::path& path) {
   }
 }
 
+std::string name_within_run(const fs::path& path) {
+  std::error_code ignored;
+  const fs::path whole = without_links(path);
+  const fs::path run = run_above(whole);
+  if (run.empty()) {
+    return name_of_source(path);
+  }
+  std::string name = name_of_source(run);
+  const bool is_file = fs::is_regular_file(whole, ignored);
+  for (const fs::path& part :
+       (is_file ? whole.parent_path() / whole.stem() : whole).lexically_relative(run)) {
+    if (!part.empty() && part != ".") {
+      name += "_" + part.string();
+    }
+  }
+  return name;
+}
+
 fs::path without_links(const fs::path& path) {
   std::error_code error;
   fs::path led_to = path.empty() ? path : fs::weakly_canonical(fs::absolute(path), error);

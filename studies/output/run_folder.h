@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace glint {
 
@@ -16,6 +17,10 @@ inline constexpr const char* kDesignScene = "scene.toml";
 /// a study and are no run. Links are not followed. Empty: it lies in none.
 /// @param path  need not exist; relative to the working directory
 std::filesystem::path run_above(const std::filesystem::path& path);
+
+/// name_of_source() of what lies in no run; else the run's name, then where in the run it lies, as
+/// each has a winner: "gear_winner" of out/gear/run/winner.
+std::string name_within_run(const std::filesystem::path& path);
 
 /// The full path that links lead to, as far as it exists; empty: of an empty one.
 std::filesystem::path without_links(const std::filesystem::path& path);

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "studies/output/run_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -170,6 +171,26 @@ TEST(ResultFolder, IsCalledAfterTheStudyOfARun) {
   EXPECT_EQ(name_of_source(folder / "out/gear"), "gear");
   EXPECT_EQ(name_of_source(folder / "photos.raw"), "photos.raw");
   EXPECT_EQ(name_of_source(folder / "s.png"), "s");
+}
+
+// Each run has a winner.
+TEST(ResultFolder, OfADesignIsCalledAfterItsRun) {
+  const TemporaryFolder folder;
+  for (const char* study : {"gear", "cup"}) {
+    const fs::path run = folder / "out" / study / "run";
+    make_folder(run / "winner");
+    write_file(run / kRunStudy, "");
+    write_file(run / "winner/aspect.png", "");
+    const std::string name = study;
+    EXPECT_EQ(name_within_run(run), name);
+    EXPECT_EQ(name_within_run(run / "winner"), name + "_winner");
+    EXPECT_EQ(name_within_run(run / "winner/"), name + "_winner");
+    EXPECT_EQ(name_within_run(run / "winner/aspect.png"), name + "_winner_aspect");
+  }
+  make_folder(folder / "out/gear/render/view_03");
+  EXPECT_EQ(name_within_run(folder / "out/gear/render"), "gear") << "no run";
+  EXPECT_EQ(name_within_run(folder / "out/gear/render/view_03"), "view_03");
+  EXPECT_EQ(name_within_run({}), name_of_source({})) << "pairs of a file";
 }
 
 TEST(ResultFolder, DefaultsDifferFromVerbToVerb) {

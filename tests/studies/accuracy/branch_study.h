@@ -7,6 +7,7 @@
 
 #include "studies/definition/ladder/render_ladder.h"
 #include "studies/definition/study.h"
+#include "tests/studies/plate_under_two_lights.h"
 
 namespace glint::test {
 
@@ -17,29 +18,7 @@ inline constexpr std::size_t kRingBranch = 1;
 /// The ring may be searched by 8 or 16 samples, and is compared with 64.
 /// @param accuracy  the rest of that table
 inline std::string branch_study(const std::string& accuracy) {
-  return R"(schema = 1
-[part]
-shape = "plate"
-length_mm = 12
-width_mm = 8
-thickness_mm = 1
-[camera]
-width_px = 48
-height_px = 32
-object_pixel_mm = 0.2
-working_distance_mm = 100
-[render.paths]
-samples = 16
-max_reflections = 1
-[lighting.tunnel]
-radius_mm = 60
-length_mm = 300
-slot_mm = 8
-[lighting.ring]
-inner_radius_mm = 15
-outer_radius_mm = 25
-height_mm = 30
-[variables]
+  return kPlateUnderTwoLights + std::string(R"([variables]
 lighting_use = { choices = ["tunnel", "ring"] }
 "sensor.gain" = { min = 0.5, max = 2 }
 [objective]
@@ -49,7 +28,7 @@ algorithm = "random"
 [budget]
 evaluations = 90
 [accuracy]
-)" + accuracy +
+)") + accuracy +
          "\n";
 }
 

@@ -12,6 +12,7 @@
 #include "core/file.h"
 #include "studies/accuracy/accuracy_report.h"
 #include "studies/accuracy/chosen_accuracy.h"
+#include "tests/studies/plate_under_two_lights.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -19,29 +20,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const char* const kMixedStudy = R"(schema = 1
-[part]
-shape = "plate"
-length_mm = 12
-width_mm = 8
-thickness_mm = 1
-[camera]
-width_px = 48
-height_px = 32
-object_pixel_mm = 0.2
-working_distance_mm = 100
-[render.paths]
-samples = 16
-max_reflections = 1
-[lighting.tunnel]
-radius_mm = 60
-length_mm = 300
-slot_mm = 8
-[lighting.ring]
-inner_radius_mm = 15
-outer_radius_mm = 25
-height_mm = 30
-[variables]
+const std::string kMixedStudy = std::string(test::kPlateUnderTwoLights) + R"([variables]
 lighting_use = { choices = ["tunnel", "ring"] }
 "sensor.gain" = { min = 0.5, max = 2 }
 [objective]

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/file.h"
+#include "tests/studies/plate_under_two_lights.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -14,29 +15,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-const char* const kLitPlate = R"(schema = 1
-[part]
-shape = "plate"
-length_mm = 12
-width_mm = 8
-thickness_mm = 1
-[camera]
-width_px = 48
-height_px = 32
-object_pixel_mm = 0.2
-working_distance_mm = 100
-[render.paths]
-samples = 16
-max_reflections = 1
-[lighting.tunnel]
-radius_mm = 60
-length_mm = 300
-slot_mm = 8
-[lighting.ring]
-inner_radius_mm = 15
-outer_radius_mm = 25
-height_mm = 30
-[lighting.wide]
+const std::string kLitPlate = std::string(test::kPlateUnderTwoLights) + R"([lighting.wide]
 type = "ring"
 inner_radius_mm = 30
 outer_radius_mm = 40
@@ -53,8 +32,7 @@ tolerance = "auto"
 Study study_with(const std::string& variables) {
   const TemporaryFolder folder;
   write_file(folder / "study.toml",
-             std::string(kLitPlate) + "[variables]\n\"sensor.bits\" = { min = 8, max = 10 }\n" +
-                 variables);
+             kLitPlate + "[variables]\n\"sensor.bits\" = { min = 8, max = 10 }\n" + variables);
   return load_study(folder / "study.toml", {});
 }
 

@@ -79,7 +79,7 @@ std::string comparison(const Wording& wording,
 void add_defects(const Json& data, const Json& design, std::vector<Finding>& findings) {
   const Wording wording = defect_wording(data);
   if (!wording.value(design)) {
-    if (!number_of(member(design, "scores"), "defects.made").value_or(0.0)) {
+    if (number_of(member(design, "scores"), "defects.made").value_or(0.0) == 0.0) {
       findings.push_back(
           {"no_defects", "The scene has no defect: nothing here says whether one would show."});
     }

@@ -123,7 +123,7 @@ TEST(GalleryFitToBoard, SlicesTellWhatPhotographsDetermine) {
       {"moved", "cell.flange_from_part.translation_mm.0", 18.42}};
   for (const auto& [name, key, value] : slices) {
     Overrides changed = read("held_out.toml").prototypes.at(0).overrides;
-    std::erase_if(changed, [&](const auto& one) { return one.first == key; });
+    std::erase_if(changed, [&key = key](const auto& one) { return one.first == key; });
     changed.emplace_back(key, ConfigNode::from_number(value));
     expect_row(name, scores_of(fit, scene_with(fit, changed)));
   }

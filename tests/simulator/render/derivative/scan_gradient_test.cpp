@@ -233,7 +233,7 @@ TEST(GradientOfScan, AgreeWithDifferencesWhereTheWallHidesTheView) {
       ShapeDerivative motion{Tunnel(scene.tunnel)};
       const ScanGradient gradient = sum.gradient(motion);
       EXPECT_GT(gradient.edges.size(), 100U);
-      const auto expect = [&](const char* name, double found, const Number& moved) {
+      const auto expect = [&, key = key](const char* name, double found, const Number& moved) {
         const double expected = scan_difference(sum, moved, 2e-3, scene);
         EXPECT_GT(std::abs(expected), 1e-4) << name;
         EXPECT_NEAR(found, expected, 1e-2 * std::abs(expected)) << name << " " << key;

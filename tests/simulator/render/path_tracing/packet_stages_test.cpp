@@ -95,7 +95,7 @@ double seen_difference(const VectorLanes& a, const SurfaceLanes& surface, const 
 
 void expect_same_surface(const SurfaceLanes& a, const SurfaceLanes& b, const PathPacket& paths) {
   const HitPacket& hits = paths.hit;
-  EXPECT_LT(seen_difference(a.point, b, paths), 8e-5);  // of rays of 250 mm
+  EXPECT_LT(seen_difference(a.point, b, paths), 1.2e-4);  // of rays of 250 mm, 4 to 8 roundings
   EXPECT_LT(difference(a.side, b.side, hits), 1e-6);
   EXPECT_LT(difference(a.tangent, b.tangent, hits), 1e-4);  // near the axis of a turned face
   EXPECT_LT(difference(a.bitangent, b.bitangent, hits), 1e-4);

@@ -135,7 +135,7 @@ TEST(GallerySearch, FindsWhatAPhotographWasTakenWith) {
   const std::map<std::string, double> tolerances = {{"material.roughness", 0.02},
                                                     {"sensor.exposure", 0.03},
                                                     {"sensor.blur_px", 0.1},
-                                                    {"lighting.ring.radiance.0", 0.6},
+                                                    {"lighting.ring.radiance.0", 0.5},
                                                     {"part.position_mm.1", 0.05},
                                                     {"part.position_mm.2", 0.05},
                                                     {"part.rotation_deg.0", 0.2}};

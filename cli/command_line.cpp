@@ -322,10 +322,10 @@ void add_new_verb(CLI::App& app, CommandLine& line) {
       ->type_name("MM")
       ->capture_default_str()
       ->check(between(1.0, 100000.0));
-  fresh->add_option("--light", line.fresh.light, "tunnel, ring, dome, bar, or all to compare them")
-      ->type_name("KIND")
+  fresh->add_option("--light", line.fresh.light, "kind of light, or all to compare them")
+      ->type_name("tunnel|ring|dome|bar|all")
       ->capture_default_str()
-      ->check(CLI::IsMember({"tunnel", "ring", "dome", "bar", "all"}));
+      ->check(CLI::IsMember({"tunnel", "ring", "dome", "bar", "all"}).description(""));
   fresh->add_option("--out", line.fresh.out, "study file to write (default: stdout)")
       ->type_name("FILE")
       ->check(not_empty());

@@ -73,14 +73,27 @@ std::string bash_offer(const OptionUsage& option) {
   return "COMPREPLY=($(compgen -f -- \"$cur\"))";
 }
 
+/// What is offered for arguments: those of the last kind, before them words where the first is one.
+std::string bash_arguments(const VerbUsage& verb) {
+  std::string first;
+  std::string last = "COMPREPLY=()";
+  for (const OptionUsage& option : verb.options) {
+    if (option.is_argument) {
+      first = first.empty() && !option.words().empty() ? bash_offer(option) : first;
+      last = bash_offer(option);
+    }
+  }
+  return first.empty() || first == last
+             ? last
+             : fmt::format("if ((COMP_CWORD == 2)); then {}; else {}; fi", first, last);
+}
+
 /// The branch of a verb: values of options, then names of options, then arguments.
 std::string bash_verb(const VerbUsage& verb) {
   std::string values;
   std::vector<std::string> names;
-  std::string argument = "COMPREPLY=()";
   for (const OptionUsage& option : verb.options) {
     if (option.is_argument) {
-      argument = bash_offer(option);
       continue;
     }
     names.push_back(option.name);
@@ -97,7 +110,7 @@ std::string bash_verb(const VerbUsage& verb) {
       verb.name,
       choice,
       join(names, " "),
-      argument);
+      bash_arguments(verb));
 }
 
 std::string zsh_escaped(const std::string& text) {
@@ -154,8 +167,11 @@ std::string zsh_verb(const VerbUsage& verb) {
 std::string fish_option(const std::string& program,
                         const VerbUsage& verb,
                         const OptionUsage& option) {
-  std::string line =
-      fmt::format("complete -c {} -n '__fish_seen_subcommand_from {}'", program, verb.name);
+  const std::string words = join(option.words(), " ");
+  const std::string before =  // an argument of words is the first one
+      option.is_argument && !words.empty() ? "; and not __fish_seen_subcommand_from " + words : "";
+  std::string line = fmt::format(
+      "complete -c {} -n '__fish_seen_subcommand_from {}{}'", program, verb.name, before);
   if (!option.is_argument) {
     line += fmt::format(" -l {}{}", option.name.substr(2), option.value.empty() ? "" : " -r");
   }
@@ -164,7 +180,7 @@ std::string fish_option(const std::string& program,
       line += option.value.empty() ? "" : " -f";
       break;
     case Offer::kWords:
-      line += " -f -a " + fish_quoted(join(option.words(), " "));
+      line += " -f -a " + fish_quoted(words);
       break;
     case Offer::kKeys:
       line += fmt::format(" -f -a '$__{}_keys'", program);

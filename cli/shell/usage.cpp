@@ -41,7 +41,9 @@ std::string help_row(const std::string& name, const std::string& meaning) {
 }  // namespace
 
 std::vector<std::string> OptionUsage::words() const {
-  const bool is_choice = value.find('|') != std::string::npos && !is_argument;
+  const bool is_kind =  // of value: "FILE|KEYS"
+      std::ranges::any_of(value, [](char c) { return c >= 'A' && c <= 'Z'; });
+  const bool is_choice = value.find('|') != std::string::npos && !is_kind;
   return is_choice ? split(value, '|') : std::vector<std::string>{};
 }
 
@@ -80,6 +82,9 @@ std::string shown_meaning(const OptionUsage& option) {
   std::vector<std::string> remarks;
   if (!option.allowed.empty()) {
     remarks.push_back(option.allowed);
+  }
+  if (option.is_argument && !option.words().empty()) {
+    remarks.push_back(join(option.words(), ", "));
   }
   if (!option.default_text.empty()) {
     remarks.push_back("default " + option.default_text);

@@ -15,25 +15,10 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const Arguments kVerbs = {"run",
-                          "check",
-                          "render",
-                          "frontier",
-                          "stability",
-                          "imprint",
-                          "inspect",
-                          "compare",
-                          "calibrate",
-                          "undistort",
-                          "cover",
-                          "cell",
-                          "acquire",
-                          "plan",
-                          "part",
-                          "new",
-                          "report",
-                          "explain",
-                          "help"};
+const Arguments kVerbs = {"run",       "check",   "render",  "frontier", "stability",
+                          "imprint",   "inspect", "compare", "validate", "calibrate",
+                          "undistort", "cover",   "cell",    "acquire",  "plan",
+                          "part",      "new",     "report",  "explain",  "help"};
 
 /// What a shell's command prints; empty with a failure where it exits with another code than 0.
 std::string output_of(const TemporaryFolder& folder, const std::string& command) {
@@ -110,7 +95,7 @@ TEST(Help, AsAVerbIsTheSameText) {
 TEST(Help, IsReadable) {
   for (const std::string& verb : kVerbs) {
     const std::string help = told_by({"help", verb}).out;
-    for (const std::string raw : {"TEXT", "INT", "REQUIRED", "FLOAT", "PATH"}) {
+    for (const std::string raw : {"TEXT", "INT", "REQUIRED", "FLOAT", "PATH", "{"}) {
       EXPECT_THAT(help, Not(HasSubstr(raw))) << verb;
     }
     std::size_t longest = 0;
@@ -127,6 +112,7 @@ TEST(Help, IsReadable) {
   EXPECT_THAT(run, HasSubstr("(may be repeated)"));
   EXPECT_THAT(run, ::testing::ContainsRegex("--threads N +threads to use \\(1 to 1024; default "));
   EXPECT_THAT(told_by({"help", "imprint"}).out, HasSubstr("glint imprint SCENE.toml"));
+  EXPECT_THAT(told_by({"help", "cell"}).out, HasSubstr("what to do (list, status, grab, "));
 }
 
 TEST(ManPage, OfEveryVerbFormatsWithoutAWarning) {
@@ -173,6 +159,10 @@ TEST(Completion, OfBashOffersVerbsOptionsChoicesAndKeys) {
   EXPECT_EQ(offered(folder, "glint explain scan.pos"), "scan.positions\n");
   EXPECT_EQ(offered(folder, "glint help fro"), "frontier\n");
   EXPECT_EQ(offered(folder, "glint run glint.b"), "glint.bash\n");
+  EXPECT_EQ(offered(folder, "glint cell st"), "status\n");
+  EXPECT_EQ(offered(folder, "glint cell status glint.b"), "glint.bash\n");
+  EXPECT_EQ(offered(folder, "glint new --light d"), "dome\n");
+  EXPECT_EQ(offered(folder, "glint new --camera glint.b"), "glint.bash\n");
 }
 
 TEST(Completion, OfZshAndFishAreScriptsOfTheirs) {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/config/keys.h"
 #include "core/config/toml.h"
 #include "core/text.h"
 #include "studies/definition/scene.h"
@@ -84,6 +85,27 @@ void put_set(ConfigNode& root, const std::string& path, const std::string& text)
     node = node->find(part);
   }
   *node = std::move(value);
+}
+
+void throw_if_any_of_scene(const ConfigNode& root, std::vector<Problem> problems) {
+  const ConfigNode* variables = root.find("variables");
+  const bool is_read = problems.empty() || variables == nullptr || !variables->is_table();
+  const std::size_t count = is_read ? 0 : variables->names.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string& path = variables->names[i];
+    const std::vector<std::string> parts = split(path, '.');
+    const bool is_of_group = parts.size() > 2 && (parts[0] == "lighting" || parts[0] == "defects");
+    const ConfigNode* groups = is_of_group ? root.find(parts[0]) : nullptr;
+    if (groups != nullptr && groups->is_table() && groups->find(parts[1]) == nullptr) {
+      problems.push_back(
+          {.kind = Problem::Kind::kUnknownKey,
+           .place = variables->items[i].place,
+           .context = "variables",
+           .key = path,
+           .text = fmt::format("the scene has no table [{}.{}]", parts[0], parts[1])});
+    }
+  }
+  throw_if_any(problems);
 }
 
 }  // namespace glint

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/config/config.h"
 
@@ -21,5 +22,10 @@ void put_override(ConfigNode& root,
 /// Puts the value of `--set path=text` where its path says; a path with quotes runs through tables
 /// only. @throws ConfigError
 void put_set(ConfigNode& root, const std::string& path, const std::string& text);
+
+/// Asked when a scene has been read: throws if it has problems, and tells with them of variables of
+/// lights and defects that the file has no table of, as of a light that was replaced.
+/// @throws ConfigError
+void throw_if_any_of_scene(const ConfigNode& root, std::vector<Problem> problems);
 
 }  // namespace glint

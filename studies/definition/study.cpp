@@ -324,7 +324,7 @@ Study load_study(const fs::path& path, const std::vector<KeyValue>& sets, SceneU
   check_tables(study.root, errors);
   check_holds_scene(study.root, errors);
   study.scene = read_scene(study.root, errors, use);
-  throw_if_any(errors);  // what follows builds on a scene that can be read
+  throw_if_any_of_scene(study.root, errors);  // what follows builds on one that can be read
   study.resolved = write_scene(study.scene);
   read_study_tables(study, errors);
   throw_if_any(errors);

@@ -241,6 +241,20 @@ TEST(StudyErrors, RefuseAScoreThatIsOnlyTold) {
               ::testing::HasSubstr("is reported only where it is below 16"));
 }
 
+// A ring in the place of a tunnel: what is left of the tunnel comes up at once.
+TEST(StudyErrors, TellVariablesOfALightThatIsGoneWithTheScenesOwn) {
+  const std::string told = error_of(
+      "[lighting.ring]\nradius_mm = 60\n"
+      "[variables]\n\"lighting.tunnel.slot_mm\" = { min = 1, max = 2 }\n"
+      "\"lighting.ring.tilt_deg\" = { min = 1, max = 2 }\n"
+      "[objective]\nmaximise = \"homogeneity.h_rms\"\n");
+  EXPECT_THAT(told, ::testing::HasSubstr("s.toml:2:1: lighting.ring.radius_mm: unknown key"));
+  EXPECT_THAT(told,
+              ::testing::HasSubstr("s.toml:4:1: variables: lighting.tunnel.slot_mm: the scene has "
+                                   "no table [lighting.tunnel]"));
+  EXPECT_THAT(told, ::testing::Not(::testing::HasSubstr("lighting.ring.tilt_deg")));
+}
+
 TEST(StudyErrors, NameTheirPlaceAndTheNearestKey) {
   EXPECT_THAT(error_of("[sensor]\ngian = 2\n"),
               ::testing::StartsWith("s.toml:2:1: sensor.gian: unknown key, the nearest known one "

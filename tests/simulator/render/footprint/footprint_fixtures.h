@@ -16,9 +16,9 @@ namespace glint::test {
 
 /// Straight above, the picture turned by 0.3 rad: edges along its rows or columns would all cross a
 /// grid of samples at once, and the samples would be a poor truth.
-inline Viewpoint turned_viewpoint(const CameraSettings& camera_settings) {
+inline Viewpoint turned_viewpoint(const CameraSettings& camera_settings, double turn_rad = 0.3) {
   Viewpoint viewpoint = default_viewpoint(camera_settings);
-  viewpoint.up = {std::sin(0.3), std::cos(0.3), 0.0};
+  viewpoint.up = {std::sin(turn_rad), std::cos(turn_rad), 0.0};
   return viewpoint;
 }
 
@@ -36,12 +36,13 @@ struct FootprintBench {
   FootprintBench(const PartSettings& part_settings,
                  const CameraSettings& camera_settings,
                  double dent_sigma_mm = 0.0,
-                 const RenderSettings& render_settings = {})
+                 const RenderSettings& render_settings = {},
+                 double turn_rad = 0.3)
       : part(build_part(part_settings)),
         bvh(part.mesh),
         detail(dents(dent_sigma_mm)),
         camera(intrinsics_of(camera_settings)),
-        camera_from_world(glint::camera_from_world(turned_viewpoint(camera_settings))),
+        camera_from_world(glint::camera_from_world(turned_viewpoint(camera_settings, turn_rad))),
         camera_mm(0.0, 0.0, camera_settings.working_distance_mm),
         render(render_settings) {
     ThreadPool pool(1);

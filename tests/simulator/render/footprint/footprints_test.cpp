@@ -188,6 +188,40 @@ TEST(Footprints, ObliqueStripesAreRightInEveryPixelAroundBothRims) {
   }
 }
 
+// Edges along the picture's columns (0 degrees) or rows (90) cross a whole row of samples at once:
+// of 16 x 16 each edge is wrong by up to half a row, 1 / 32 = 0.031 of a pixel, of 64 x 64 by up to
+// 0.008. Along the tunnel a pixel of 0.5 mm sees 0.60 to 0.62 mm, so the edge at 0.56 mm in frame 1
+// lies at 14.9 to 14.5 sixteenths of it.
+TEST(Footprints, StripesAlongRowsAndColumnsAreRightWhereSixteenRowsOfSamplesAreNot) {
+  CameraSettings camera = test::bench_camera();
+  camera.width_px = 4;
+  camera.height_px = 70;
+  camera.object_pixel_mm = 0.5;
+  const test::FootprintBench bench(
+      {.shape = PartSettings::Shape::kCylinder, .length_mm = 70.0, .radius_mm = 20.0},
+      camera,
+      0.0,
+      {},
+      0.0);
+  const RayCache coarse = bench.sampled(16);
+  const RayCache fine = bench.sampled(64);
+  for (const double turn_deg : {0.0, 90.0}) {
+    TunnelSettings level = test::bench_tunnel();
+    level.orientation_rad = turn_deg * kRadPerDeg;
+    level.period_mm = 24.0;
+    level.offset_mm = 0.27;
+    level.blocks_view = false;
+    const Tunnel tunnel(level);
+    const Footprints footprints(
+        bench.rays, tunnel, {.positions = 8, .step_mm = 0.29}, bench.camera_mm);
+    const std::vector<ImageF> frames = test::integrated_frames(footprints);
+    EXPECT_LE(error_of(footprints, frames, fine, tunnel, bench.camera_mm).largest, 0.02)
+        << turn_deg << " degrees";
+    EXPECT_GT(error_of(footprints, frames, coarse, tunnel, bench.camera_mm).largest, 0.02)
+        << "the samples themselves, " << turn_deg << " degrees";
+  }
+}
+
 // Strip 18 mm wide, camera 300 mm above, wall at 100 mm: a slot of 18 * 2 / 3 = 12 mm shows all of
 // it, one of 6 mm half.
 TEST(Footprints, HideWhatTheWallHides) {

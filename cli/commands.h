@@ -236,6 +236,7 @@ ConfigError with_option_names(const ConfigError& error);
 Study load_study(const StudyArguments& arguments, SceneUse use = SceneUse::kPictures);
 
 /// --out, or the verb's own folder.
+/// @throws ConfigError when that holds results of another study's file of the same name
 std::filesystem::path out_folder(const StudyArguments& arguments,
                                  const Study& study,
                                  ResultKind kind);

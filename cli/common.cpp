@@ -68,9 +68,14 @@ std::string name_of_results(const std::filesystem::path& file,
 std::filesystem::path out_folder(const StudyArguments& arguments,
                                  const Study& study,
                                  ResultKind kind) {
-  return arguments.out.empty()
-             ? default_result_folder(name_of_results(arguments.study, study, kind), kind)
-             : arguments.out;
+  if (!arguments.out.empty()) {
+    return arguments.out;
+  }
+  const std::string name = name_of_results(arguments.study, study, kind);
+  std::filesystem::path folder =
+      kind == ResultKind::kRun ? default_run_folder(study.name) : default_result_folder(name, kind);
+  check_source_of_folder(folder, {arguments.study});
+  return folder;
 }
 
 void print_result(const CommonArguments& common,

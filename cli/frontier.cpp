@@ -12,6 +12,7 @@
 #include "studies/frontier/inspector_page.h"
 #include "studies/frontier/search_page.h"
 #include "studies/output/result_folder.h"
+#include "studies/output/run_folder.h"
 #include "studies/stability/stability_page.h"
 
 namespace glint {
@@ -212,6 +213,7 @@ int winner_command(const StabilityArguments& arguments, const CommonArguments& c
   if (arguments.study.out.empty() && !study.empty()) {
     run.out = default_result_folder(study, ResultKind::kStability);
     run.out.replace_filename("stability_winner");  // that of the sweeps is another one
+    check_source_of_folder(run.out, {arguments.run / kRunStudy});
   }
   const Json result = stability::winner_study(arguments.run, run);
   print_result(common, result, sweeps_text(result));

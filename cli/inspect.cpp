@@ -119,23 +119,31 @@ bool is_negative(const Json& result) {
          result["grades"]["Rejected"].get<int>() > 0;
 }
 
+std::filesystem::path inspect_folder(const InspectArguments& arguments) {
+  if (!arguments.out.empty()) {
+    return arguments.out;
+  }
+  std::filesystem::path folder = default_inspect_folder(arguments.inputs);
+  check_source_of_folder(folder, {source_of_inspection(arguments.inputs)});
+  return folder;
+}
+
 }  // namespace
 
 int inspect_command(const InspectArguments& arguments, const CommonArguments& common) {
-  const InspectOptions options = {
-      .inputs = arguments.inputs,
-      .out = arguments.out.empty() ? default_inspect_folder(arguments.inputs) : arguments.out,
-      .is_each = arguments.is_each,
-      .mask = arguments.mask,
-      .reference_mask = arguments.reference_mask,
-      .settings = arguments.settings,
-      .sets = key_values(arguments.sets),
-      .flawless = arguments.flawless,
-      .labels = arguments.labels,
-      .is_learning = arguments.is_learning,
-      .threads = common.threads,
-      .progress = common.progress(),
-      .interrupt = &take_interrupts()};
+  const InspectOptions options = {.inputs = arguments.inputs,
+                                  .out = inspect_folder(arguments),
+                                  .is_each = arguments.is_each,
+                                  .mask = arguments.mask,
+                                  .reference_mask = arguments.reference_mask,
+                                  .settings = arguments.settings,
+                                  .sets = key_values(arguments.sets),
+                                  .flawless = arguments.flawless,
+                                  .labels = arguments.labels,
+                                  .is_learning = arguments.is_learning,
+                                  .threads = common.threads,
+                                  .progress = common.progress(),
+                                  .interrupt = &take_interrupts()};
   const Json result = inspect_parts(options);
   if (result["status"] == "interrupted") {
     print_result(common, result, "interrupted\n");

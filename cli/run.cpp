@@ -146,12 +146,11 @@ int jobs_of(const StudyArguments& arguments, const CommonArguments& common) {
 int run_trial_command(const Study& study,
                       const StudyArguments& arguments,
                       const CommonArguments& common) {
-  const Json result = run_calibration_trial(
-      study,
-      {.out = arguments.out.empty() ? default_run_folder(study.name) : arguments.out,
-       .threads = common.threads,
-       .progress = common.progress(),
-       .interrupt = &take_interrupts()});
+  const Json result = run_calibration_trial(study,
+                                            {.out = out_folder(arguments, study, ResultKind::kRun),
+                                             .threads = common.threads,
+                                             .progress = common.progress(),
+                                             .interrupt = &take_interrupts()});
   print_result(common, result, trial_summary(result));
   return result["status"] == "interrupted" ? kExitInterrupted : kExitDone;
 }
@@ -191,8 +190,7 @@ int run_command(const StudyArguments& arguments,
   if (!arguments.budget.empty() && study.has_search() && !common.is_quiet) {
     std::cerr << fmt::format("the search ends {}\n", limits_text(study.budget));
   }
-  std::filesystem::path out =
-      arguments.out.empty() ? default_run_folder(study.name) : arguments.out;
+  std::filesystem::path out = out_folder(arguments, study, ResultKind::kRun);
   if (!out.has_filename()) {  // "out/run/"
     out = out.parent_path();
   }

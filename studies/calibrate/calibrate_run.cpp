@@ -147,7 +147,7 @@ void check_folder(const CalibrateOptions& options, const fs::path& out) {
   inputs.insert(inputs.end(), {options.from, options.board, options.camera});
   check_inputs_kept(inputs, out, names);
   if (options.out.empty()) {
-    check_source_of_folder(out, folder_read(options));
+    check_source_of_folder(out, {folder_read(options)});
   }
 }
 

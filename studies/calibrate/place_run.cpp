@@ -232,6 +232,15 @@ std::string placement_toml(const PlacedPart& placed, bool is_on_flange) {
          to_toml(root);
 }
 
+/// What tells where the part is.
+std::vector<fs::path> files_placed(const std::vector<PlaceInput>& inputs) {
+  std::vector<fs::path> files;
+  for (const PlaceInput& input : inputs) {
+    files.push_back(input.file);
+  }
+  return files;
+}
+
 void check_files(const std::vector<PlaceInput>& inputs,
                  const CalibrateOptions& options,
                  const fs::path& out) {
@@ -244,6 +253,9 @@ void check_files(const std::vector<PlaceInput>& inputs,
     files.insert(files.end(), input.poses.begin(), input.poses.end());
   }
   check_inputs_kept(files, out, kPlaceFiles);
+  if (options.out.empty()) {
+    check_source_of_folder(out, files_placed(inputs));
+  }
 }
 
 Json notes_of(const std::vector<Placement>& placements, const PlacedPart& placed) {
@@ -301,7 +313,9 @@ Json place_part(const std::vector<PlaceInput>& inputs, const CalibrateOptions& o
   ResultWriter writer(out, ResultKind::kPlace);
   write_file(writer.path() / "placement.toml", placement_toml(result.placed, is_on_flange));
   write_file(writer.path() / "placement.json", json.dump(2) + "\n");
-  writer.finish({{"placements", placements.size()}}, start);
+  writer.finish(
+      {{"placements", placements.size()}, {"source", sources_seen_from(out, files_placed(inputs))}},
+      start);
   json["folder"] = out.string();
   return json;
 }

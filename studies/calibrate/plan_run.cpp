@@ -313,6 +313,9 @@ Json plan_poses(const PosePlanOptions& options) {
           : options.out;
   check_result_folder(out, ResultKind::kPlan, kPlanFiles);
   check_inputs_kept(std::array{options.board, options.camera}, out, kPlanFiles);
+  if (options.out.empty()) {
+    check_source_of_folder(out, {options.camera});
+  }
   const Rig rig = rig_of(options);
   const PosePlan poses = planned(rig, settings, options);
   Json plan = plan_json(rig, poses, settings);
@@ -323,7 +326,7 @@ Json plan_poses(const PosePlanOptions& options) {
   write_file(writer.path() / "poses.csv", poses_csv(plan));
   write_file(writer.path() / "poses.toml", poses_toml(plan));
   write_file(writer.path() / "plan.json", plan.dump(2) + "\n");
-  writer.finish(Json::object(), start);
+  writer.finish({{"source", source_seen_from(out, options.camera)}}, start);
   plan["folder"] = out.string();
   return plan;
 }

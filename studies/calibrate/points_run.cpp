@@ -192,6 +192,11 @@ Json draw_points(const fs::path& points_file, const CalibrateOptions& options) {
   inputs.insert(inputs.end(), options.poses.begin(), options.poses.end());
   inputs.push_back(points_file);
   check_inputs_kept(inputs, out, names);
+  const std::vector<fs::path> sources = {fs::absolute(options.pictures.front()).parent_path(),
+                                         points_file};
+  if (options.out.empty()) {
+    check_source_of_folder(out, sources);
+  }
   const std::vector<NamedPoint> points = parse_points(read_file(points_file), points_file.string());
   const KnownCalibration known = read_calibration(options.camera);
   const std::vector<Eigen::Isometry3d> cameras = cameras_of(known, options);
@@ -209,7 +214,8 @@ Json draw_points(const fs::path& points_file, const CalibrateOptions& options) {
         {{"file", options.pictures[i].string()}, {"written", written}, {"points", list}});
   }
   write_file(writer.path() / "points.csv", points_csv(pictures));
-  writer.finish({{"pictures", pictures.size()}}, start);
+  writer.finish({{"pictures", pictures.size()}, {"source", sources_seen_from(out, sources)}},
+                start);
   return {{"schema", 1}, {"status", "done"}, {"pictures", pictures}, {"folder", out.string()}};
 }
 

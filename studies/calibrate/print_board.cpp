@@ -34,6 +34,9 @@ Json print_board(const fs::path& board, const fs::path& out) {
       "board.svg", "board.pdf", "board.toml", "board.png", "board_part.toml", "run.json"};
   check_result_folder(goal, ResultKind::kBoard, names);
   check_inputs_kept(std::array{board}, goal, names);
+  if (out.empty()) {
+    check_source_of_folder(goal, {board});
+  }
   const Board read = read_board(board);
   const BoardSheet sheet = board_sheet(read);
   ResultWriter writer(goal, ResultKind::kBoard);
@@ -43,7 +46,7 @@ Json print_board(const fs::path& board, const fs::path& out) {
   write_png(writer.path() / "board.png", ink_picture(read, kInk / kPaper), PixelDepth::k8Bit);
   write_file(writer.path() / "board_part.toml",
              board_part_toml(board_target(read, "board.png", kPaper)));
-  writer.finish(Json::object(), start);
+  writer.finish({{"source", source_seen_from(goal, board)}}, start);
   return {{"schema", 1},
           {"status", "done"},
           {"cols", read.cols},

@@ -65,7 +65,7 @@ void check_options(const UndistortOptions& options, const fs::path& out) {
   inputs.push_back(options.camera);
   check_inputs_kept(inputs, out, names);
   if (options.out.empty()) {
-    check_source_of_folder(out, folder_undistorted(options));
+    check_source_of_folder(out, {folder_undistorted(options)});
   }
 }
 

@@ -347,6 +347,7 @@ class TrialRun {
     Json run = provenance();
     run["verb"] = command_of(ResultKind::kRun);
     run["study"] = study_.name;
+    run["source"] = source_seen_from(options_.out, study_.root.place.file);
     run["threads"] = options_.threads;
     run["timings"] = {{"this_run_s", seconds}};
     run["configuration"] = resolved_text(study_);

@@ -45,6 +45,12 @@ fs::path default_folder(const CompareInputs& inputs) {
   return default_result_folder(name.empty() ? "comparison" : name, ResultKind::kCompare);
 }
 
+/// Of several photographs the folder of the first.
+std::vector<fs::path> sources_of(const CompareInputs& inputs) {
+  const fs::path& real = inputs.reals.front();
+  return {inputs.simulated, inputs.reals.size() == 1 ? real : fs::absolute(real).parent_path()};
+}
+
 /// A pair and why its pictures differ.
 struct Explained {
   ComparedPair pair;
@@ -130,6 +136,9 @@ class CompareRun {
     }
     check_inputs_kept(inputs, out_, files);
     check_inputs_kept_in_pairs(inputs, out_, pairs);
+    if (options_.out.empty()) {
+      check_source_of_folder(out_, sources_of(options_.inputs));
+    }
   }
 
   /// Pictures are large: as many pairs at a time as there are threads, each given up when its files
@@ -327,6 +336,7 @@ class CompareRun {
     Json run = provenance();
     run["verb"] = command_of(ResultKind::kCompare);
     run["pairs"] = plan_.pairs.size();
+    run["source"] = sources_seen_from(out_, sources_of(options_.inputs));
     run["threads"] = options_.threads;
     run["timings"] = timings();
     write_file(stage / "run.json", run.dump(2) + "\n");

@@ -100,6 +100,7 @@ class CoverRun {
     Json run = provenance();
     run["verb"] = command_of(ResultKind::kCover);
     run["study"] = study_.name;
+    run["source"] = source_seen_from(options_.out, study_.root.place.file);
     run["started"] = utc_text(started_);
     run["rays"] = covered.rays;
     run["threads"] = options_.threads;

@@ -41,7 +41,8 @@ void write_frontier_folder(const Study& study,
                            const nlohmann::ordered_json& origin) {
   OutputFolder folder(out);
   remove_unfinished_files(out);
-  mark_result_folder(out, ResultKind::kFrontier, study.name);
+  const std::string source = source_seen_from(out, study.root.place.file);
+  mark_result_folder(out, ResultKind::kFrontier, study.name, source);
   for (const auto& [name, content] : files) {
     write_file(out / name, content);
   }
@@ -49,6 +50,7 @@ void write_frontier_folder(const Study& study,
     nlohmann::ordered_json json = provenance();
     json["verb"] = command_of(ResultKind::kFrontier);
     json["study"] = study.name;
+    json["source"] = source;
     json.update(origin);
     json["configuration"] = resolved_text(study);
     write_file(out / "run.json", json.dump(2) + "\n");

@@ -152,7 +152,8 @@ Json searches_study(const Study& study,
   check_frontier_folder(study, run.out);
   OutputFolder folder(run.out);
   OutputFolder databases(run.out / "searches");
-  mark_result_folder(run.out, ResultKind::kFrontier, study.name);
+  mark_result_folder(
+      run.out, ResultKind::kFrontier, study.name, source_seen_from(run.out, study.root.place.file));
   const auto keep = [&] {
     folder.keep();
     databases.keep();

@@ -272,6 +272,7 @@ class ImprintRun {
     Json json = provenance();
     json["verb"] = command_of(ResultKind::kImprint);
     json["study"] = study_.name;
+    json["source"] = source_seen_from(options_.out, study_.root.place.file);
     json["seed"] = scene_.imprint.seed;
     json["threads"] = options_.threads;
     json["timings"] = timings;

@@ -117,7 +117,10 @@ Json preview_tools(const Study& study, const ImprintOptions& options) {
   Json result = {{"schema", 1}, {"status", "done"}, {"name", study.name}};
   {
     StagedFolder stage(options.out, "");
-    mark_result_folder(stage.path(), ResultKind::kTools, study.name);
+    mark_result_folder(stage.path(),
+                       ResultKind::kTools,
+                       study.name,
+                       source_seen_from(options.out, study.root.place.file));
     write_tools(tools, stage.path(), result, pool);
     stage.commit();
   }

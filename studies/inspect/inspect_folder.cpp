@@ -51,7 +51,7 @@ void check_earlier(const fs::path& out, std::span<const std::string> names, bool
 
 }  // namespace
 
-fs::path default_inspect_folder(std::span<const fs::path> inputs) {
+fs::path source_of_inspection(std::span<const fs::path> inputs) {
   std::error_code ignored;
   fs::path named = fs::weakly_canonical(fs::absolute(inputs.front(), ignored), ignored);
   if (named.filename().empty()) {  // "parts/a/"
@@ -61,6 +61,12 @@ fs::path default_inspect_folder(std::span<const fs::path> inputs) {
   if (inputs.size() > 1 || is_of_verb) {
     named = named.parent_path();
   }
+  return named;
+}
+
+fs::path default_inspect_folder(std::span<const fs::path> inputs) {
+  std::error_code ignored;
+  const fs::path named = source_of_inspection(inputs);
   const fs::path name = fs::is_directory(named, ignored) ? named.filename() : named.stem();
   return default_result_folder(name.empty() ? "part" : name.string(), ResultKind::kInspect);
 }

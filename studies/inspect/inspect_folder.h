@@ -13,9 +13,12 @@
 
 namespace glint {
 
-/// out/<name>/inspect: the name is that of the only picture, folder or run, or of the folder that
-/// holds the inputs.
+/// What an inspection is called after: the only picture or folder, or the folder that holds the
+/// inputs, a run or a rendering.
 /// @param inputs  of the command line, at least one
+std::filesystem::path source_of_inspection(std::span<const std::filesystem::path> inputs);
+
+/// out/<name>/inspect: the name is that of source_of_inspection().
 std::filesystem::path default_inspect_folder(std::span<const std::filesystem::path> inputs);
 
 /// @param inputs       files that are read beside the pictures; empty paths are none

@@ -357,6 +357,7 @@ class InspectRun {
     Json run = provenance();
     run["verb"] = command_of(ResultKind::kInspect);
     run["inspected"] = parts_.size();
+    run["source"] = source_seen_from(options_.out, source_of_inspection(options_.inputs));
     run["threads"] = options_.threads;
     run["timings"] = {{"this_run_s", seconds_since(start_)}};
     run["configuration"] = toml;

@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/text.h"
 #include "studies/output/provenance.h"
 #include "studies/output/staged_folder.h"
 
@@ -97,6 +98,29 @@ std::optional<ResultKind> kind_by_files(const fs::path& folder) {
   return has("tools.json") && has("tools.png") ? std::optional(ResultKind::kTools) : std::nullopt;
 }
 
+/// Without those that cannot be told.
+std::vector<std::string> seen_from(const fs::path& folder, const std::vector<fs::path>& sources) {
+  std::vector<std::string> seen;
+  for (const fs::path& source : sources) {
+    seen.push_back(source_seen_from(folder, source));
+  }
+  std::erase(seen, "");
+  return seen;
+}
+
+/// Empty: of older versions, or nothing could be told.
+std::vector<std::string> sources_told_by(const Json& run) {
+  std::vector<std::string> told;
+  const auto source = run.is_object() ? run.find("source") : run.end();
+  if (source != run.end()) {
+    for (const Json& one : source->is_array() ? *source : Json::array({*source})) {
+      told.push_back(one.is_string() ? one.get<std::string>() : std::string());
+    }
+  }
+  std::erase(told, "");
+  return told;
+}
+
 /// Refuses a folder that holds results of some verb and some study.
 [[noreturn]] void throw_taken(const fs::path& folder, ResultKind kind) {
   const std::string study = study_of_folder(folder);
@@ -156,25 +180,35 @@ void check_study_of_folder(const fs::path& folder, const std::string& study) {
 
 std::string source_seen_from(const fs::path& folder, const fs::path& source) {
   std::error_code ignored;
+  if (source.empty() || fs::is_other(source, ignored)) {
+    return "";
+  }
   const auto whole = [&](const fs::path& path) {
     return fs::weakly_canonical(fs::absolute(path, ignored), ignored);
   };
-  return source.empty() ? "" : whole(source).lexically_relative(whole(folder)).generic_string();
+  return whole(source).lexically_relative(whole(folder)).generic_string();
 }
 
-void check_source_of_folder(const fs::path& folder, const fs::path& source) {
-  const Json run = run_json_in(folder);
-  const auto told = run.is_object() ? run.find("source") : run.end();
-  if (told == run.end() || !told->is_string() || source.empty()) {
+Json sources_seen_from(const fs::path& folder, const std::vector<fs::path>& sources) {
+  const std::vector<std::string> seen = seen_from(folder, sources);
+  return seen.size() == 1 ? Json(seen.front()) : Json(seen);
+}
+
+void check_source_of_folder(const fs::path& folder, const std::vector<fs::path>& sources) {
+  const std::vector<std::string> told = sources_told_by(run_json_in(folder));
+  const std::vector<std::string> here = seen_from(folder, sources);
+  if (told.empty() || here.empty() || told == here) {
     return;
   }
-  const auto other = told->get<std::string>();
-  if (!other.empty() && other != source_seen_from(folder, source)) {
-    throw ConfigError(
-        fmt::format("{}: holds results of files in {}; give another folder with --out",
-                    folder.string(),
-                    (folder / other).lexically_normal().string()));
+  std::vector<std::string> shown;
+  for (const std::string& source : told) {
+    shown.push_back((folder / source).lexically_normal().string());
   }
+  throw ConfigError(
+      fmt::format("{}: holds results of {}; choose another folder with --out, or this very one to "
+                  "write there all the same",
+                  folder.string(),
+                  join(shown, " and ")));
 }
 
 void check_inputs_kept(std::span<const fs::path> inputs,
@@ -196,11 +230,16 @@ void check_inputs_kept(std::span<const fs::path> inputs,
   }
 }
 
-void mark_result_folder(const fs::path& folder, ResultKind kind, const std::string& study) {
+void mark_result_folder(const fs::path& folder,
+                        ResultKind kind,
+                        const std::string& study,
+                        const std::string& source) {
   if (!result_kind_of(folder)) {
     Json mark = {{"version", program_version()}, {"verb", std::string(command_of(kind))}};
-    if (!study.empty()) {
-      mark["study"] = study;
+    for (const auto& [name, value] : {std::pair{"study", &study}, std::pair{"source", &source}}) {
+      if (!value->empty()) {
+        mark[name] = *value;
+      }
     }
     write_file_durably(folder / "run.json", mark.dump(2) + "\n");
   }

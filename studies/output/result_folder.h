@@ -9,6 +9,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
 
 namespace glint {
 
@@ -61,17 +64,23 @@ std::string study_of_folder(const std::filesystem::path& folder);
 /// @throws ConfigError when run.json tells another study than this one
 void check_study_of_folder(const std::filesystem::path& folder, const std::string& study);
 
-/// How run.json tells the folder that results were made of, as `source`: seen from the folder of
-/// the results, so that both may be moved together. Empty: no folder is told.
+/// How run.json tells what results were made of, as `source`: seen from the folder of the results,
+/// so that both may be moved together; links are followed. Empty: there is nothing to tell, as of
+/// a study that came through a pipe.
 std::string source_seen_from(const std::filesystem::path& folder,
                              const std::filesystem::path& source);
 
-/// Asks before anything is written to a default folder: out/pictures/calibrate is that of all
-/// folders which are called "pictures".
-/// @param source  the folder that is read
-/// @throws ConfigError when run.json tells another source than this one
+/// The same of several inputs: a text for one, a list for more.
+nlohmann::ordered_json sources_seen_from(const std::filesystem::path& folder,
+                                         const std::vector<std::filesystem::path>& sources);
+
+/// Asks before anything is written to a default folder, which is called after what is read:
+/// out/pictures/calibrate is that of all folders which are called "pictures", out/gear/render that
+/// of each gear.toml. Not to be asked of a folder that was given with --out.
+/// @param sources  what the results are to be made of, as sources_seen_from() tells it
+/// @throws ConfigError when run.json tells other sources than these
 void check_source_of_folder(const std::filesystem::path& folder,
-                            const std::filesystem::path& source);
+                            const std::vector<std::filesystem::path>& sources);
 
 /// @param inputs  files that are read; an empty path is none
 /// @param names   as above
@@ -82,11 +91,13 @@ void check_inputs_kept(std::span<const std::filesystem::path> inputs,
 
 /// Writes a run.json that tells whose folder it is, where nothing tells it yet: for results whose
 /// files appear one by one. The run.json of the finished results replaces it.
-/// @param study  whose results they are; empty: of none
+/// @param study   whose results they are; empty: of none
+/// @param source  as source_seen_from() tells the study's file; empty: of none
 /// @throws IoError
 void mark_result_folder(const std::filesystem::path& folder,
                         ResultKind kind,
-                        const std::string& study = "");
+                        const std::string& study = "",
+                        const std::string& source = "");
 
 /// Where results go unless --out tells: out/<name>/<last word of the command>.
 std::filesystem::path default_result_folder(const std::string& name, ResultKind kind);

@@ -60,9 +60,11 @@ class PlanRun {
     write(writer.path(), file, result);
     std::error_code ignored;
     fs::remove_all(options_.out / "pictures", ignored);  // of an earlier plan with other views
-    writer.finish(
-        {{"study", study_.name}, {"started", utc_text(started_)}, {"threads", options_.threads}},
-        start_);
+    writer.finish({{"study", study_.name},
+                   {"source", source_seen_from(options_.out, study_.root.place.file)},
+                   {"started", utc_text(started_)},
+                   {"threads", options_.threads}},
+                  start_);
     result["folder"] = options_.out.string();
     result["report"] = (options_.out / "report.html").string();
     return result;

@@ -82,7 +82,8 @@ Json render_study(const Study& whole_study, const fs::path& out, int threads) {
   check_everything(store, study);
   OutputFolder folder(out);
   remove_unfinished_files(out);
-  mark_result_folder(out, ResultKind::kRender, study.name);
+  const std::string source = source_seen_from(out, study.root.place.file);
+  mark_result_folder(out, ResultKind::kRender, study.name, source);
   const Json json = write_design(store,
                                  study.scene,
                                  {{"title", study.title}, {"role", "baseline"}},
@@ -104,6 +105,7 @@ Json render_study(const Study& whole_study, const fs::path& out, int threads) {
   Json run = provenance();
   run["verb"] = command_of(ResultKind::kRender);
   run["study"] = study.name;
+  run["source"] = source;
   run["threads"] = threads;
   run["timings"] = {{"this_run_s", seconds_since(start)}};
   write_file(out / "run.json", run.dump(2) + "\n");

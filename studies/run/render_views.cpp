@@ -109,7 +109,8 @@ class RenderRun {
     prepare();
     OutputFolder folder(options_.out);
     remove_unfinished_files(options_.out);
-    mark_result_folder(options_.out, ResultKind::kRender);
+    source_ = source_seen_from(options_.out, study_.root.place.file);
+    mark_result_folder(options_.out, ResultKind::kRender, study_.name, source_);
     write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     render_all(folder);
     return finish(folder);
@@ -385,6 +386,7 @@ class RenderRun {
     Json run = provenance();
     run["verb"] = command_of(ResultKind::kRender);
     run["study"] = study_.name;
+    run["source"] = source_;
     run["started"] = utc_text(started_);
     run["seed"] = study_.scene.paths.seed;
     run["threads"] = options_.threads;
@@ -394,6 +396,7 @@ class RenderRun {
   }
 
   Study study_;
+  std::string source_;  ///< its file, as run.json tells it
   bool has_light_ = true;
   const RenderOptions& options_;
   ThreadPool pool_;

@@ -290,10 +290,7 @@ class Run {
       return;
     }
     const double start = process_cpu_s();
-    std::optional<SearchRungs> rungs;
-    if (accurate_.chosen) {
-      rungs = accurate_.chosen->rungs();
-    }
+    const auto rungs = accurate_.chosen ? std::optional(accurate_.chosen->rungs()) : std::nullopt;
     BuiltDesigns built(
         store_, study_, identity_, options_.out, rungs, options_.jobs, options_.interrupt);
     const auto variables = [this](const Point& point) { return variables_json(study_, point); };
@@ -385,6 +382,7 @@ class Run {
     Json json = provenance();
     json["verb"] = command_of(ResultKind::kRun);
     json["study"] = study_.name;
+    json["source"] = source_seen_from(options_.out, study_.root.place.file);
     json["started"] = utc_text(started_);
     json["seed"] = study_.search.seed;
     json["threads"] = options_.threads;

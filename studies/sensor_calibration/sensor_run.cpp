@@ -296,7 +296,7 @@ Json calibrate_sensor(const SensorOptions& options) {
   check_result_folder(out, ResultKind::kSensor, kNames);
   check_inputs_kept(std::array<fs::path, 1>{options.folder / "levels.csv"}, out, kNames);
   if (options.out.empty()) {
-    check_source_of_folder(out, options.folder);
+    check_source_of_folder(out, {options.folder});
   }
   ThreadPool pool(options.threads);
   const SensorPictures pictures(options, pool);

@@ -120,9 +120,12 @@ Json written(const Study* study,
   ResultWriter writer(run.out, ResultKind::kStability);
   write_file(writer.path() / "stability.json", json.dump(2) + "\n");
   write_file(writer.path() / "stability.html", page_html(study, stability, methods, json));
-  writer.finish(
-      {{"study", study != nullptr ? Json(study->name) : Json(nullptr)}, {"threads", run.threads}},
-      start);
+  Json told = {{"study", nullptr}, {"threads", run.threads}};
+  if (study != nullptr) {
+    told["study"] = study->name;
+    told["source"] = source_seen_from(run.out, study->root.place.file);
+  }
+  writer.finish(told, start);
   json["report"] = (run.out / "stability.html").string();
   return json;
 }

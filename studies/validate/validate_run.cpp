@@ -52,7 +52,7 @@ class ValidateRun {
  public:
   explicit ValidateRun(const ValidateOptions& options)
       : options_(options),
-        out_(options.out.empty() ? default_folder(options.run) : options.out),
+        out_(options.out.empty() ? default_validate_folder(options.run) : options.out),
         pool_(options.threads),
         store_(pool_),
         sources_(find_validated(
@@ -110,11 +110,6 @@ class ValidateRun {
     Viewpoint viewpoint;
   };
 
-  static fs::path default_folder(const fs::path& run) {
-    const std::string name = name_of_source(run);
-    return default_result_folder(name.empty() ? "run" : name, ResultKind::kValidate);
-  }
-
   std::int64_t steps() const { return 2 * static_cast<std::int64_t>(sources_.designs.size()) + 2; }
 
   void show(const std::string& what) { bar_->update(++done_, what); }
@@ -130,6 +125,9 @@ class ValidateRun {
     }
     check_result_folder(out_, ResultKind::kValidate, names);
     check_inputs_kept(inputs, out_, names);
+    if (options_.out.empty()) {
+      check_default_validate_folder(options_.run, options_.pictures);
+    }
   }
 
   void compare_all(const fs::path& stage) {
@@ -404,6 +402,7 @@ class ValidateRun {
     run["verb"] = command_of(ResultKind::kValidate);
     run["designs"] = sources_.designs.size();
     run["pictures"] = views_.size();
+    run["source"] = sources_seen_from(out_, {options_.run, options_.pictures});
     run["threads"] = options_.threads;
     run["timings"] = {{"this_run_s", seconds_since(start_)}};
     write_file(stage / "run.json", run.dump(2) + "\n");

@@ -13,6 +13,7 @@
 #include "studies/acquire/light_difference.h"
 #include "studies/definition/scene_file.h"
 #include "studies/definition/scene_viewpoints.h"
+#include "studies/output/result_folder.h"
 #include "studies/output/staged_folder.h"
 #include "studies/validate/validated_scene.h"
 
@@ -204,6 +205,15 @@ class Finder {
 };
 
 }  // namespace
+
+fs::path default_validate_folder(const fs::path& run) {
+  const std::string name = name_of_source(run);
+  return default_result_folder(name.empty() ? "run" : name, ResultKind::kValidate);
+}
+
+void check_default_validate_folder(const fs::path& run, const fs::path& pictures) {
+  check_source_of_folder(default_validate_folder(run), {run, pictures});
+}
 
 std::vector<std::string> names_in(const std::string& list) {
   std::vector<std::string> names;

@@ -38,6 +38,14 @@ struct ValidationSources {
   std::vector<std::string> notes;
 };
 
+/// out/<name of the run>/validate
+std::filesystem::path default_validate_folder(const std::filesystem::path& run);
+
+/// To be asked before pictures are taken for it.
+/// @throws ConfigError where that folder holds the validation of another run or by other pictures
+void check_default_validate_folder(const std::filesystem::path& run,
+                                   const std::filesystem::path& pictures);
+
 /// Names with commas between them.
 std::vector<std::string> names_in(const std::string& list);
 

@@ -120,6 +120,9 @@ Json validate_in_cell(const ValidateCellOptions& options, const MotionPermit& pe
   if (validate.pictures.empty()) {
     validate.pictures = fs::absolute(beside_run(validate.run) / "acquired");
   }
+  if (validate.out.empty()) {
+    check_default_validate_folder(validate.run, validate.pictures);
+  }
   const std::vector<std::string> names = wanted_designs(validate);
   PicturesOfDesigns pictures(validate, options.acquire, permit);
   Json ended = pictures.take(names);

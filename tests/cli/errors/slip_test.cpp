@@ -47,6 +47,15 @@ class Slip : public ImprintVerb {
     EXPECT_EQ(files_below(folder_.path()), before) << arguments.front();
   }
 
+  /// A folder of results as run.json tells it.
+  void tell_source(const std::string& folder,
+                   const std::string& verb,
+                   const std::string& source) const {
+    fs::create_directories(folder_ / folder);
+    write_file(folder_ / folder / "run.json",
+               R"({"verb": ")" + verb + R"(", "source": )" + source + "}");
+  }
+
   std::map<std::string, std::string> before_;
 };
 
@@ -193,8 +202,37 @@ TEST_F(Slip, FoldersOfPicturesWithOneNameAreNotMixed) {
   };
   expect_done(undistort("left"));
   expect_refused(undistort("right"),
-                 "out/pictures/undistort: holds results of files in left/pictures; give another");
+                 "out/pictures/undistort: holds results of left/pictures; choose another folder");
   expect_done(undistort("left"));
+}
+
+// Both studies are called "gear", and so are their folders.
+TEST_F(Slip, StudiesOfOneNameAreNotMixed) {
+  for (const char* side : {"left", "right"}) {
+    fs::create_directories(folder_ / side);
+    write_file(folder_ / side / "gear.toml", small_study());
+  }
+  const std::string of_left = ": holds results of left/gear.toml; choose another folder with --out";
+  expect_done({"render", "left/gear.toml"});
+  expect_refused({"render", "right/gear.toml"}, "out/gear/render" + of_left);
+  expect_done({"render", "right/gear.toml", "--out", "out/gear/render"});
+  for (const std::string verb : {"run", "cover", "imprint"}) {
+    tell_source("out/gear/" + verb, verb, R"("../../../left/gear.toml")");
+    expect_refused({verb, "right/gear.toml"}, "out/gear/" + verb + of_left);
+  }
+}
+
+TEST_F(Slip, PicturesOfOneNameAreNotMixed) {
+  for (const char* side : {"left", "right"}) {
+    fs::create_directories(folder_ / side);
+    write_png(folder_ / side / "photo.png", ImageF(40, 30, 0.5F), PixelDepth::k8Bit);
+  }
+  tell_source("out/photo/inspect", "inspect", R"("../../../left/photo.png")");
+  expect_refused({"inspect", "right/photo.png"},
+                 "out/photo/inspect: holds results of left/photo.png; choose another folder");
+  tell_source("out/photo/compare", "compare", R"(["../../../right/photo.png", "../../../left"])");
+  expect_refused({"compare", "right/photo.png", "left/photo.png"},
+                 "out/photo/compare: holds results of right/photo.png and left; choose another");
 }
 
 TEST_F(Slip, ARunInTheFormerDefaultFolderIsResumed) {

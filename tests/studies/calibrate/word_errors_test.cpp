@@ -3,8 +3,11 @@
 // Words and settings on the command line of `glint calibrate` that are refused.
 #include "core/image/image_io.h"
 #include "studies/calibrate/calibrate_run.h"
+#include "studies/calibrate/place_run.h"
 #include "studies/calibrate/plan_run.h"
+#include "studies/calibrate/points_run.h"
 #include "studies/calibrate/print_board.h"
+#include "studies/output/result_folder.h"
 #include "tests/studies/calibrate/calibrate_fixture.h"
 
 namespace glint::test {
@@ -77,6 +80,32 @@ TEST_F(CalibrateWords, ABoardThatIsNoneIsNotPrinted) {
   expect_refused_here([] { print_board("bad.toml", "out"); }, "bad.toml:4:");
   EXPECT_THROW(print_board(folder_ / "none.toml", folder_ / "out"), IoError);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+}
+
+// The files of "right" have names of "left", of which there are results.
+TEST_F(CalibrateWords, DefaultFoldersTakeNoResultsOfAnotherFileOfTheSameName) {
+  const auto refused =
+      [&](const std::string& out, ResultKind kind, const std::string& left, const auto& call) {
+        const std::filesystem::path before = std::filesystem::current_path();
+        std::filesystem::current_path(folder_ / "");
+        make_folder(out);
+        mark_result_folder(out, kind, "", "../../../" + left);
+        const std::string told = text_thrown_by<ConfigError>(call);
+        std::filesystem::current_path(before);
+        EXPECT_THAT(told, ::testing::HasSubstr(out + ": holds results of " + left + "; choose"));
+      };
+  refused("out/board/board", ResultKind::kBoard, "left/board.toml", [] {
+    print_board("right/board.toml", "");
+  });
+  refused("out/rough/plan", ResultKind::kPlan, "left/rough.toml", [] {
+    plan_poses({.count = 6, .camera = "right/rough.toml"});
+  });
+  refused("out/touched/place", ResultKind::kPlace, "left/touched.csv", [] {
+    place_part({{.file = "right/touched.csv"}}, {});
+  });
+  refused("out/right/points", ResultKind::kPoints, "left/points.csv", [] {
+    draw_points("right/points.csv", {.pictures = {"right/grey.png"}, .camera = "rough.toml"});
+  });
 }
 
 TEST_F(CalibrateWords, APriorNeedsItsCamera) {

@@ -6,6 +6,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -95,18 +97,56 @@ TEST(ResultFolder, OfFilesOfAnotherFolderIsRefused) {
   const TemporaryFolder folder;
   const fs::path out = folder / "out/pictures/calibrate";
   const auto check = [&](const char* source) {
-    return text_thrown_by<ConfigError>([&] { check_source_of_folder(out, folder / source); });
+    return text_thrown_by<ConfigError>([&] { check_source_of_folder(out, {folder / source}); });
   };
   EXPECT_EQ(source_seen_from(out, folder / "left/pictures"), "../../../left/pictures");
   EXPECT_EQ(source_seen_from(out, fs::path()), "");
-  EXPECT_NO_THROW(check_source_of_folder(out, folder / "left/pictures"));
+  EXPECT_NO_THROW(check_source_of_folder(out, {folder / "left/pictures"}));
   make_folder(out);
   write_file(out / "run.json", R"({"verb": "calibrate"})");
-  EXPECT_NO_THROW(check_source_of_folder(out, folder / "left/pictures")) << "an older version's";
+  EXPECT_NO_THROW(check_source_of_folder(out, {folder / "left/pictures"})) << "an older version's";
   write_file(out / "run.json", R"({"verb": "calibrate", "source": "../../../left/pictures"})");
-  EXPECT_NO_THROW(check_source_of_folder(out, folder / "left/pictures"));
+  EXPECT_NO_THROW(check_source_of_folder(out, {folder / "left/pictures"}));
   EXPECT_THAT(check("right/pictures"),
-              HasSubstr("holds results of files in " + (folder / "left/pictures").string()));
+              HasSubstr("holds results of " + (folder / "left/pictures").string() + "; choose"));
+}
+
+// Each folder has a gear.toml, and out/gear/render is the default of them all.
+TEST(ResultFolder, OfAnotherFileOfTheSameNameIsRefused) {
+  const TemporaryFolder folder;
+  for (const char* side : {"left", "right"}) {
+    make_folder(folder / side);
+    write_file(folder / side / "gear.toml", "");
+  }
+  const fs::path left = folder / "left/gear.toml";
+  const fs::path out = folder / "out/gear/render";
+  make_folder(out);
+  mark_result_folder(out, ResultKind::kRender, "gear", source_seen_from(out, left));
+  EXPECT_NO_THROW(check_source_of_folder(out, {left}));
+  EXPECT_THAT(
+      text_thrown_by<ConfigError>(
+          [&] { check_source_of_folder(out, {folder / "right/gear.toml"}); }),
+      HasSubstr("holds results of " + left.string() + "; choose another folder with --out"));
+  fs::create_symlink(left, folder / "gear.toml");
+  EXPECT_NO_THROW(check_source_of_folder(out, {folder / "gear.toml"})) << "a link to the same file";
+  const fs::path pipe = folder / "pipe.toml";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(source_seen_from(out, pipe), "");
+  EXPECT_NO_THROW(check_source_of_folder(out, {pipe})) << "nobody knows where it came from";
+}
+
+TEST(ResultFolder, OfSeveralInputsTellsAllOfThem) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out/view/compare";
+  const auto inputs = [&](const char* real) { return std::vector{folder / "view", folder / real}; };
+  const auto told = sources_seen_from(out, inputs("photos"));
+  EXPECT_EQ(told.dump(), R"(["../../../view","../../../photos"])");
+  EXPECT_EQ(sources_seen_from(out, {folder / "view"}).dump(), R"("../../../view")");
+  make_folder(out);
+  write_file(out / "run.json", R"({"verb": "compare", "source": )" + told.dump() + "}");
+  EXPECT_NO_THROW(check_source_of_folder(out, inputs("photos")));
+  EXPECT_THAT(text_thrown_by<ConfigError>([&] { check_source_of_folder(out, inputs("others")); }),
+              HasSubstr("/view and " + (folder / "photos").string() + "; choose"));
 }
 
 TEST(ResultFolder, OfNobodyKnownKeepsItsFiles) {

@@ -85,12 +85,17 @@ void accumulate_channels(const Sensor& sensor,
                          std::span<const ImageF> radiance,
                          int frame,
                          ScanSums& sums,
-                         ImageF* grey) {
-  if (radiance.size() == 1) {
+                         ImageF* grey,
+                         const Spans& where) {
+  if (radiance.size() == 1 && where.empty()) {
     sensor.accumulate(radiance[0], frame, sums, grey);
     return;
   }
-  const std::vector<ImageF> channels = expose_channels(sensor, radiance, frame);
+  if (radiance.size() == 1) {
+    sensor.accumulate(radiance[0], frame, where, sums, grey);
+    return;
+  }
+  const std::vector<ImageF> channels = expose_channels(sensor, radiance, frame, where);
   ImageF mean = mean_of_channels(channels);
   if (sums.frames == 0) {
     sums = ScanSums(mean.width(), mean.height());

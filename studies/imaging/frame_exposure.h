@@ -36,10 +36,12 @@ ImageF mean_of_channels(std::span<const ImageF> channels);
 /// where one of them is at full scale.
 /// @param radiance  of each channel
 /// @param grey      set to the frame's grey values; nullptr: not wanted
+/// @param where     pixels that are wanted, the sums of all others are 0; empty: all
 void accumulate_channels(const Sensor& sensor,
                          std::span<const ImageF> radiance,
                          int frame,
                          ScanSums& sums,
-                         ImageF* grey = nullptr);
+                         ImageF* grey = nullptr,
+                         const Spans& where = {});
 
 }  // namespace glint

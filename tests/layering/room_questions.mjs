@@ -30,6 +30,7 @@ const ASKING = new Set([
   "studies/imaging/blurred",
   "studies/imaging/direct",
   "studies/imaging/places",
+  "studies/imaging/sampled",
   "studies/imaging/searched",
 ]);
 

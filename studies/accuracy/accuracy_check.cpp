@@ -97,6 +97,18 @@ void add_branch(const ChosenAccuracy& chosen, const CheckedDesign& design, Json&
   }
 }
 
+/// What random pixels told, where they decided.
+void add_sample(const CheckedDesign& design, Json& json) {
+  if (!design.sampled) {
+    return;
+  }
+  json["pixels"] = design.sampled->pixels;
+  json["differences"] = Json::object();
+  for (const auto& [score, found] : design.sampled->errors) {
+    json["differences"][score] = {{"value", found.difference}, {"error", found.error}};
+  }
+}
+
 Json during_json(const ChosenAccuracy& chosen, const AccuracyCheck& check) {
   Json designs = Json::array();
   for (const CheckedDesign& design : check.during) {
@@ -105,12 +117,17 @@ Json during_json(const ChosenAccuracy& chosen, const AccuracyCheck& check) {
                        {"rung", design.rung},
                        {"beyond", design.beyond},
                        {"wider", design.wider}});
+    add_sample(design, designs.back());
     add_branch(chosen, design, designs.back());
   }
-  return {{"checked", check.during.size()},
-          {"beyond", count_beyond(check.during)},
-          {"work", check.during_work},
-          {"designs", designs}};
+  Json json = {{"checked", check.during.size()},
+               {"beyond", count_beyond(check.during)},
+               {"work", check.during_work},
+               {"designs", designs}};
+  if (!check.undecided.empty()) {
+    json["undecided"] = check.undecided;
+  }
+  return json;
 }
 
 Json epochs_json(const AccuracyCheck& check) {
@@ -146,19 +163,51 @@ std::vector<std::string> rungs_of(const std::vector<CheckedDesign>& designs) {
   return rungs;
 }
 
+/// ", 12 of them in random pixels alone"; empty: all of them as a whole.
+std::string sampled_text(const std::vector<CheckedDesign>& designs) {
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(
+      designs, [](const CheckedDesign& design) { return design.sampled.has_value(); }));
+  if (count == 0) {
+    return "";
+  }
+  return count == designs.size() ? std::string(" in random pixels")
+                                 : fmt::format(", {} of them in random pixels alone", count);
+}
+
+/// "Random pixels left evaluation 71 in doubt, ..."
+std::string undecided_text(const std::vector<int>& trials) {
+  std::vector<std::string> numbers;
+  for (const int trial : trials) {
+    numbers.push_back(std::to_string(trial));
+  }
+  return fmt::format(
+      "Random pixels left evaluation{} {} in doubt, whose whole picture was more than checks may "
+      "take: the wide bounds are what can be relied on there.",
+      numbers.size() == 1 ? "" : "s",
+      join(numbers, ", "));
+}
+
+/// "While it went on, 2 designs were evaluated by "16 samples" too, none beyond the bounds."
+std::string during_text(const std::vector<CheckedDesign>& designs) {
+  return fmt::format(
+      "While it went on, {} design{} evaluated by \"{}\" too{}, {} beyond the bounds.",
+      designs.size(),
+      designs.size() == 1 ? " was" : "s were",
+      join(rungs_of(designs), "\" or \""),
+      sampled_text(designs),
+      number_text(count_beyond(designs)));
+}
+
 std::string check_text(const AccuracyCheck& check, double share) {
   std::vector<std::string> parts;
   for (const EndedEpoch& epoch : check.ended) {
     parts.push_back(epoch.sentence + ".");
   }
   if (!check.during.empty()) {
-    parts.push_back(
-        fmt::format("While it went on, {} design{} evaluated by \"{}\" too, {} beyond the "
-                    "bounds.",
-                    check.during.size(),
-                    check.during.size() == 1 ? " was" : "s were",
-                    join(rungs_of(check.during), "\" or \""),
-                    number_text(count_beyond(check.during))));
+    parts.push_back(during_text(check.during));
+  }
+  if (!check.undecided.empty()) {
+    parts.push_back(undecided_text(check.undecided));
   }
   if (!check.designs.empty()) {
     parts.push_back(top_text(check));
@@ -212,8 +261,10 @@ AccuracyCheck check_search(const AccuracyTask& task,
                            const ChosenAccuracy& chosen,
                            const std::vector<Trial>& trials,
                            const SearchReview& review) {
-  AccuracyCheck result = {
-      .during = review.checked(), .during_work = review.work(), .ended = review.ended()};
+  AccuracyCheck result = {.during = review.checked(),
+                          .during_work = review.work(),
+                          .undecided = review.undecided(),
+                          .ended = review.ended()};
   if (std::ranges::none_of(chosen.parts(), can_be_compared)) {
     return result;
   }

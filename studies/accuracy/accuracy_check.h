@@ -24,6 +24,7 @@ struct AccuracyCheck {
   std::optional<int> raced;            ///< trial that a race of the finalists left as the winner
   std::vector<CheckedDesign> during;   ///< the search, since its rung was last raised
   double during_work = 0.0;
+  std::vector<int> undecided;     ///< trials: SearchReview::undecided() at its end
   std::vector<EndedEpoch> ended;  ///< before
 };
 
@@ -51,7 +52,9 @@ bool adopt_winner(const Study& study,
 ///   during the search and before epochs that ended, finalist_work: of the winner, counted apart,
 ///   designs: [ { trial, finalist, beyond: [ scores ], wider: [ scores ], top: { score } } ],
 ///   winner: trial or null,
-///   during: { checked, beyond, work, designs: [ { trial, finalist, rung, beyond, wider } ] },
+///   during: { checked, beyond, work, designs: [ { trial, finalist, rung, beyond, wider } ] }, of
+///     what random pixels decided with pixels and differences: { score: { value, error } }, and,
+///     where there are some, undecided: [ trial ],
 ///   epochs: [ { trial, rung, evaluations, check_work, search_work, sentence } ] that ended,
 ///   sentence }, with the value of its branch for each design where there are some
 nlohmann::ordered_json check_json(const ChosenAccuracy& chosen,

@@ -49,12 +49,12 @@ void AccuracyRecord::check_rules(bool is_begun) const {
     return;
   }
   const double rules = noted ? noted->value : 1.0;
-  if (rules > kBranchRules) {
+  if (noted && begun_rules() > kBranchRules) {
     throw ConfigError(
         fmt::format("this study was begun by a newer Glint (accuracy rules {:g}, this program "
                     "knows {})",
                     rules,
-                    kBranchRules));
+                    kPixelRules));
   }
   if (rules < kAccuracyRules) {
     throw ConfigError(fmt::format(
@@ -67,14 +67,18 @@ void AccuracyRecord::check_rules(bool is_begun) const {
   }
 }
 
-void AccuracyRecord::begin_search(const std::string& rung, int rules) {
+void AccuracyRecord::begin_search(const std::string& rung, int rules, bool has_sampled_checks) {
   if (storage_ == nullptr) {
     return;
   }
   const std::optional<Event> noted = begun();
   if (!noted) {
-    storage_->append(std::vector<Event>{
-        {.kind = EventKind::kRules, .value = static_cast<double>(rules), .text = rung}});
+    Event event = {.kind = EventKind::kRules, .value = static_cast<double>(rules), .text = rung};
+    if (has_sampled_checks) {
+      event.value = static_cast<double>(kPixelRules);
+      event.objectives = {static_cast<double>(rules)};
+    }
+    storage_->append(std::vector<Event>{event});
   } else if (noted->text != rung) {
     throw ConfigError(fmt::format(
         "this study cannot be resumed: its search began with \"{}\" and would now begin with "
@@ -91,7 +95,16 @@ std::optional<std::string> AccuracyRecord::begun_rung() const {
 
 std::optional<int> AccuracyRecord::begun_rules() const {
   const std::optional<Event> noted = begun();
-  return noted ? std::optional(static_cast<int>(noted->value)) : std::nullopt;
+  if (!noted) {
+    return std::nullopt;
+  }
+  const bool has_both = noted->value == kPixelRules && !noted->objectives.empty();
+  return static_cast<int>(has_both ? noted->objectives.front() : noted->value);
+}
+
+std::optional<bool> AccuracyRecord::begun_with_sampled_checks() const {
+  const std::optional<Event> noted = begun();
+  return noted ? std::optional(noted->value == kPixelRules) : std::nullopt;
 }
 
 const Outcome* AccuracyRecord::find(const std::string& rung, const std::string& design) const {

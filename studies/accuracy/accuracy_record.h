@@ -21,6 +21,10 @@ inline constexpr int kAccuracyRules = 2;
 /// The same of a search with a rung for each branch, where a choice changes the scene's kind; begun
 /// by rules 2 such a search has one rung for all designs, and goes on so.
 inline constexpr int kBranchRules = 3;
+/// The rung is chosen by rules before, which are noted too, and designs are checked in random
+/// pixels while the search goes on; begun by those rules themselves a search is checked by whole
+/// pictures, and goes on so.
+inline constexpr int kPixelRules = 5;
 
 /// After the name of a rung: its scores without the mean errors of an epoch that has ended.
 inline constexpr std::string_view kCorrected = ", corrected";
@@ -37,7 +41,7 @@ class AccuracyRecord {
   /// @throws IoError
   explicit AccuracyRecord(Storage* storage);
 
-  /// Refuses a search that has been begun by rules before kAccuracyRules, or after kBranchRules:
+  /// Refuses a search that has been begun by rules before kAccuracyRules, or by unknown ones:
   /// its rung would not be chosen again, and scores of two rungs would be mixed.
   /// @param is_begun  the search has asked for designs
   /// @throws ConfigError
@@ -47,13 +51,18 @@ class AccuracyRecord {
   /// resumed.
   /// @param rung   its name, or SearchRungs::name() of several
   /// @param rules  kAccuracyRules, or kBranchRules of several
+  /// @param has_sampled_checks  by kPixelRules beside them
   /// @throws ConfigError when it was another one; IoError
-  void begin_search(const std::string& rung, int rules = kAccuracyRules);
+  void begin_search(const std::string& rung,
+                    int rules = kAccuracyRules,
+                    bool has_sampled_checks = false);
 
   /// The rung that begin_search() noted in an earlier run; empty: none did.
   std::optional<std::string> begun_rung() const;
-  /// And by which rules.
+  /// And by which rules its rung was chosen.
   std::optional<int> begun_rules() const;
+  /// And whether it is checked by kPixelRules.
+  std::optional<bool> begun_with_sampled_checks() const;
 
   /// Stays where it is. nullptr: not known
   const Outcome* find(const std::string& rung, const std::string& design) const;

@@ -14,6 +14,7 @@
 #include "core/log.h"
 #include "studies/accuracy/accuracy_report.h"
 #include "studies/accuracy/outcome_labels.h"
+#include "studies/accuracy/sampled_check.h"
 #include "studies/definition/ladder/unmodelled.h"
 #include "studies/imaging/path_lights.h"
 
@@ -68,7 +69,11 @@ SearchResult search_accurately(const AccuracyTask& task,
     record.check_rules(has_asked(storage));
     found.chosen = choose_accuracy(task, record);
     const std::string rungs = found.chosen->rungs().name();
-    record.begin_search(rungs, found.chosen->split ? kBranchRules : kAccuracyRules);
+    const bool has_sampled_checks =
+        std::ranges::any_of(found.chosen->parts(),
+                            [&](const ChosenAccuracy& part) { return may_be_sampled(task, part); });
+    record.begin_search(
+        rungs, found.chosen->split ? kBranchRules : kAccuracyRules, has_sampled_checks);
     keep_in_search(task.study, *found.chosen, storage, record);
     SearchReview review(task, record, *found.chosen);
     review.resume(storage);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "core/rng.h"
 #include "optimizer/storage/storage.h"
 #include "studies/accuracy/accuracy_record.h"
 #include "studies/accuracy/ladder_trial.h"
@@ -20,6 +21,7 @@
 #include "studies/definition/ladder/render_ladder.h"
 #include "studies/definition/study.h"
 #include "studies/evaluation/evaluation.h"
+#include "studies/imaging/sampled/sampled_squares.h"
 #include "studies/imaging/scene_store.h"
 
 namespace glint {
@@ -38,6 +40,13 @@ struct AccuracyTask {
   std::function<void()> on_evaluation = {};  ///< after each that is kept, one call at a time
   /// A design at a rung. Empty: evaluate_at()
   std::function<Outcome(const Overrides& overrides, const RenderRung& rung)> evaluate = {};
+  /// Random squares of it at two rungs. Empty: sampled_squares(); with evaluate: there are none,
+  /// all checks are of whole pictures
+  std::function<std::optional<std::vector<SampledSquare>>(const Overrides& overrides,
+                                                          const RenderRung& cheap,
+                                                          const RenderRung& dearer,
+                                                          const Rng& rng)>
+      sample = {};
 };
 
 /// The rung of a study's search. Where a choice changes the scene's kind it has branches, each with

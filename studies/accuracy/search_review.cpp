@@ -183,10 +183,15 @@ struct SearchReview::Part {
   std::size_t index;
   CheckQueue queue;
   double count = 0.0;  ///< of its trials
+  /// Taken from the queue and not decided yet, as CheckQueue::take() gives it; nullptr: none.
+  std::pair<const Trial*, bool> waiting = {nullptr, false};
 };
 
 SearchReview::SearchReview(const AccuracyTask& task, AccuracyRecord& record, ChosenAccuracy& chosen)
-    : task_(task), record_(record), chosen_(chosen) {}
+    : task_(task),
+      record_(record),
+      chosen_(chosen),
+      has_sampled_checks_(record.begun_with_sampled_checks().value_or(true)) {}
 
 double SearchReview::work() const {
   return std::accumulate(works_.begin(), works_.end(), 0.0);
@@ -223,6 +228,7 @@ void SearchReview::resume(const Storage& storage) {
 /// Ends with the first design beyond the bound, as long as its branch may use a dearer rung.
 void SearchReview::check_up_to(std::span<const Trial> told) {
   checked_.clear();
+  undecided_.clear();
   works_.assign(chosen_.parts().size(), 0.0);
   std::vector<Part> parts;
   for (std::size_t i = 0; i < chosen_.parts().size(); ++i) {
@@ -231,6 +237,11 @@ void SearchReview::check_up_to(std::span<const Trial> told) {
   for (const Trial& trial : told) {
     if (is_beyond_with(trial, parts[chosen_.index_of(trial.point)])) {
       return;
+    }
+  }
+  for (const Part& part : parts) {
+    if (part.waiting.first != nullptr) {
+      undecided_.push_back(part.waiting.first->number);
     }
   }
 }
@@ -245,21 +256,69 @@ bool SearchReview::is_beyond_with(const Trial& told, Part& part) {
   part.count += 1.0;
   const double allowed =
       part.count < kUncheckedEvaluations ? 0.0 : kCheckShare * part.count * part.chosen.rung().work;
-  double& work = works_[part.index];
-  while (work + second->work <= allowed) {
-    const auto [trial, is_finalist] = part.queue.take();
-    if (trial == nullptr) {
-      break;
-    }
-    const Outcome dearer = recorded_trial(task_, record_, *trial, *second);
-    checked_.push_back(compared(part.chosen, *trial, is_finalist, *second, dearer));
+  while (const std::optional<CheckedDesign> decided = next_checked(part, *second, allowed)) {
+    checked_.push_back(*decided);
     checked_.back().branch = part.index;
-    work += second->work;
     if (has_dearer_rung(part.chosen) && !checked_.back().beyond.empty()) {
       return true;
     }
   }
   return false;
+}
+
+/// The next design that is decided by what its branch's checks may take. Nothing: all are, or more
+/// trials have to pay for it.
+std::optional<CheckedDesign> SearchReview::next_checked(Part& part,
+                                                        const RenderRung& dearer,
+                                                        double allowed) {
+  double& work = works_[part.index];
+  if (part.waiting.first == nullptr) {
+    const std::optional<double> in_pixels =
+        has_sampled_checks_ ? sampled_work(task_, part.chosen, dearer) : std::nullopt;
+    if (work + in_pixels.value_or(dearer.work) > allowed) {
+      return std::nullopt;
+    }
+    part.waiting = part.queue.take();
+    if (part.waiting.first == nullptr) {
+      return std::nullopt;
+    }
+    if (in_pixels) {
+      if (std::optional<CheckedDesign> design = confirmed(part, dearer, *in_pixels)) {
+        part.waiting = {nullptr, false};
+        return design;
+      }
+    }
+  }
+  if (work + dearer.work > allowed) {
+    return std::nullopt;
+  }
+  const auto [trial, is_finalist] = std::exchange(part.waiting, {nullptr, false});
+  work += dearer.work;
+  return compared(
+      part.chosen, *trial, is_finalist, dearer, recorded_trial(task_, record_, *trial, dearer));
+}
+
+/// The design that waits, where random pixels confirm its bounds.
+std::optional<CheckedDesign> SearchReview::confirmed(Part& part,
+                                                     const RenderRung& dearer,
+                                                     double work) {
+  const auto [trial, is_finalist] = part.waiting;
+  const auto sample = recorded_sample(task_, record_, part.chosen, *trial, dearer);
+  if (!sample) {
+    return std::nullopt;
+  }
+  works_[part.index] += work;
+  const Scores& scores = trial->outcome->scores;
+  if (!is_confirmed(part.chosen, scores, *sample, task_.study.accuracy->confidence)) {
+    return std::nullopt;
+  }
+  Outcome estimated;
+  for (const auto& [score, found] : sample->errors) {
+    estimated.scores[score] = scores.at(score) + found.difference;
+  }
+  CheckedDesign design = compared(part.chosen, *trial, is_finalist, dearer, estimated);
+  design.sampled = sample;
+  return design;
 }
 
 std::optional<Event> SearchReview::review(std::span<const Trial> told) {

@@ -11,6 +11,7 @@
 
 #include "optimizer/search/search.h"
 #include "studies/accuracy/chosen_accuracy.h"
+#include "studies/accuracy/sampled_check.h"
 
 namespace glint {
 
@@ -28,6 +29,9 @@ struct CheckedDesign {
   std::vector<std::string> beyond;  ///< scores whose difference is beyond their bound_of()
   std::vector<std::string> wider;   ///< scores whose own bound is wider than that of the trial
   std::size_t branch = 0;           ///< of ChosenAccuracy::parts()
+  /// What confirmed the bounds in random pixels; dearer has no scores then. Empty: the whole
+  /// picture was compared.
+  std::optional<SampledCheck> sampled = {};
 };
 
 /// A part of the search that a check has ended: all its designs are evaluated again, where there
@@ -66,7 +70,8 @@ class SearchReview {
 
   /// Checks, within kCheckShare of the counted work, the best design so far, then the next best,
   /// then one at random and so on, in the order in which a search could pay for them. Each branch
-  /// is looked after as if it were a search of its own.
+  /// is looked after as if it were a search of its own. By kPixelRules a design is looked at in
+  /// random pixels first, and as a whole where these leave it in doubt, before any other one.
   /// @param told  trials of this epoch, by number
   /// @return the epoch that begins when a design is beyond the bound and a dearer rung is left;
   ///         nothing when interrupted
@@ -74,6 +79,9 @@ class SearchReview {
   std::optional<Event> review(std::span<const Trial> told);
 
   const std::vector<CheckedDesign>& checked() const { return checked_; }  ///< of this epoch
+
+  /// Trials that random pixels have left in doubt and whose whole pictures are not paid for yet.
+  const std::vector<int>& undecided() const { return undecided_; }
 
   double work() const;  ///< of these checks, counted
 
@@ -84,6 +92,8 @@ class SearchReview {
 
   void check_up_to(std::span<const Trial> told);
   bool is_beyond_with(const Trial& trial, Part& part);
+  std::optional<CheckedDesign> next_checked(Part& part, const RenderRung& dearer, double allowed);
+  std::optional<CheckedDesign> confirmed(Part& part, const RenderRung& dearer, double work);
   EndedEpoch ended_by(const CheckedDesign& design,
                       const ChosenAccuracy& raised,
                       std::span<const Trial> told) const;
@@ -93,8 +103,10 @@ class SearchReview {
   AccuracyRecord& record_;
   ChosenAccuracy& chosen_;
   std::vector<CheckedDesign> checked_;
+  std::vector<int> undecided_;
   std::vector<double> works_;  ///< of these checks, of each part
   std::vector<EndedEpoch> ended_;
+  bool has_sampled_checks_ = false;
 };
 
 }  // namespace glint

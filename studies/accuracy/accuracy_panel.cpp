@@ -122,6 +122,9 @@ std::string full_text(const Json& work) {
 
 /// "lighting_use = ring"
 std::string branch_label(const Json& accuracy, const Json& branch) {
+  if (branch.contains("label")) {
+    return branch["label"].get<std::string>();
+  }
   return fmt::format(
       "{} = {}", accuracy["variable"].get<std::string>(), branch["value"].get<std::string>());
 }

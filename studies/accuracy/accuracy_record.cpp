@@ -49,7 +49,7 @@ void AccuracyRecord::check_rules(bool is_begun) const {
     return;
   }
   const double rules = noted ? noted->value : 1.0;
-  if (noted && begun_rules() > kBranchRules) {
+  if (noted && begun_rules() > kCombinedRules) {
     throw ConfigError(
         fmt::format("this study was begun by a newer Glint (accuracy rules {:g}, this program "
                     "knows {})",

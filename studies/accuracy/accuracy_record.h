@@ -21,6 +21,9 @@ inline constexpr int kAccuracyRules = 2;
 /// The same of a search with a rung for each branch, where a choice changes the scene's kind; begun
 /// by rules 2 such a search has one rung for all designs, and goes on so.
 inline constexpr int kBranchRules = 3;
+/// The same with a rung for each combination of the values of several such choices; begun by rules
+/// 3 such a search has a rung for each value of one of them, and goes on so.
+inline constexpr int kCombinedRules = 4;
 /// The rung is chosen by rules before, which are noted too, and designs are checked in random
 /// pixels while the search goes on; begun by those rules themselves a search is checked by whole
 /// pictures, and goes on so.
@@ -50,7 +53,7 @@ class AccuracyRecord {
   /// Notes the rung that a search begins with, before it asks for anything; compares it when
   /// resumed.
   /// @param rung   its name, or SearchRungs::name() of several
-  /// @param rules  kAccuracyRules, or kBranchRules of several
+  /// @param rules  ChosenAccuracy::rules()
   /// @param has_sampled_checks  by kPixelRules beside them
   /// @throws ConfigError when it was another one; IoError
   void begin_search(const std::string& rung,

@@ -234,6 +234,28 @@ std::vector<std::string> branch_reasons(const Study& study, const ChosenAccuracy
   return why;
 }
 
+/// Of choices that change how designs are rendered, and make no branches.
+/// @param names  one or more
+std::string common_text(const std::vector<std::string>& names, bool has_branches) {
+  return fmt::format(
+      "All values of {} have {}, though they change how designs are rendered: a choice with a "
+      "condition or of more than {} values makes no branches, nor does one with which there would "
+      "be more than {}; a search goes on with those that it began with.",
+      join(names, ", "),
+      has_branches ? "one ladder in each branch" : "one ladder",
+      kMaxBranchValues,
+      kMaxBranches);
+}
+
+void add_common_choices(const Study& study,
+                        const ChosenAccuracy& chosen,
+                        std::vector<std::string>& why) {
+  const std::vector<std::string> names = choices_in_common(study, chosen.split);
+  if (!names.empty()) {
+    why.push_back(common_text(names, chosen.split.has_value()));
+  }
+}
+
 Json branch_json(const ChosenAccuracy& part, const std::string& value, bool is_auto) {
   const LadderChoice& choice = part.choice;
   Json json = {{"value", value},
@@ -267,6 +289,9 @@ Json branched_json(const Study& study, const ChosenAccuracy& chosen, const Json&
     const ChosenAccuracy& part = chosen.branches[i];
     const std::string& value = chosen.split->values[i];
     branches.push_back(branch_json(part, value, study.accuracy->is_auto));
+    if (chosen.split->choices.size() > 1) {
+      branches.back()["label"] = part.label;
+    }
     levels.push_back(fmt::format("{}: {}", value, part.rung().level));
     is_reached = is_reached && part.choice.is_reached;
     for (const std::string& text : part.choice.unreached) {
@@ -277,6 +302,7 @@ Json branched_json(const Study& study, const ChosenAccuracy& chosen, const Json&
     unreached.resize(1);  // it is of all branches
   }
   std::vector<std::string> why = branch_reasons(study, chosen);
+  add_common_choices(study, chosen, why);
   why.push_back(work_text(work));
   Json tau = Json::object();
   for (const OrderOf& order : chosen.orders) {
@@ -314,6 +340,7 @@ Json accuracy_json(const Study& study,
   if (choice.num_alike > 0) {
     why.push_back(alike_text(choice));
   }
+  add_common_choices(study, chosen, why);
   why.push_back(work_text(work));
   if (!chosen.rung().offsets.empty()) {
     why.push_back(offsets_text(chosen.rung()));

@@ -68,12 +68,10 @@ SearchResult search_accurately(const AccuracyTask& task,
     AccuracyRecord record(task.record);
     record.check_rules(has_asked(storage));
     found.chosen = choose_accuracy(task, record);
-    const std::string rungs = found.chosen->rungs().name();
     const bool has_sampled_checks =
         std::ranges::any_of(found.chosen->parts(),
                             [&](const ChosenAccuracy& part) { return may_be_sampled(task, part); });
-    record.begin_search(
-        rungs, found.chosen->split ? kBranchRules : kAccuracyRules, has_sampled_checks);
+    record.begin_search(found.chosen->rungs().name(), found.chosen->rules(), has_sampled_checks);
     keep_in_search(task.study, *found.chosen, storage, record);
     SearchReview review(task, record, *found.chosen);
     review.resume(storage);

@@ -48,6 +48,14 @@ void check_ladders(const Study& study, const std::optional<BranchSplit>& split) 
   check_ladder(study, rungs);
 }
 
+/// Of a search that was begun by these rules.
+std::optional<BranchSplit> split_by_rules(const Study& study, int rules) {
+  if (rules >= kCombinedRules) {
+    return branch_split(study);
+  }
+  return rules == kBranchRules ? one_choice_split(study) : std::nullopt;
+}
+
 /// The rung of a ladder that a run's result tells.
 /// @param told  { rung, offsets }
 std::optional<RenderRung> told_of(std::vector<RenderRung> ladder, const nlohmann::json& told) {
@@ -65,9 +73,21 @@ std::optional<SearchRungs> told_rung(const Study& study, const nlohmann::json& t
   return rung ? std::optional(SearchRungs{.split = {}, .rungs = {*rung}}) : std::nullopt;
 }
 
-/// @param told  one of each branch, in their order
-std::optional<SearchRungs> told_branches(const Study& study, const nlohmann::json& told) {
-  SearchRungs rungs = {.split = branch_split(study), .rungs = {}};
+/// The branches of a search by the names of their choices: those of this program, or of one choice
+/// alone.
+std::optional<BranchSplit> split_named(const Study& study, const std::string& name) {
+  std::optional<BranchSplit> split = branch_split(study);
+  if (split && split->name != name) {
+    split = one_choice_split(study);
+  }
+  return split && split->name == name ? split : std::nullopt;
+}
+
+/// @param accuracy  with the names of the choices and one of each branch, in their order
+std::optional<SearchRungs> told_branches(const Study& study, const nlohmann::json& accuracy) {
+  const nlohmann::json& told = accuracy["branches"];
+  SearchRungs rungs = {.split = split_named(study, accuracy.value("variable", std::string())),
+                       .rungs = {}};
   if (!rungs.split || !told.is_array() || told.size() != rungs.split->values.size()) {
     return std::nullopt;
   }
@@ -99,6 +119,13 @@ SearchRungs ChosenAccuracy::rungs() const {
     found.rungs.push_back(part.rung());
   }
   return found;
+}
+
+int ChosenAccuracy::rules() const {
+  if (!split) {
+    return kAccuracyRules;
+  }
+  return split->choices.size() > 1 ? kCombinedRules : kBranchRules;
 }
 
 double ChosenAccuracy::evaluation_work() const {
@@ -161,9 +188,8 @@ ChosenAccuracy choose_accuracy(const AccuracyTask& task) {
 }
 
 ChosenAccuracy choose_accuracy(const AccuracyTask& task, AccuracyRecord& record) {
-  const bool is_split = record.begun_rules().value_or(kBranchRules) == kBranchRules;
   const std::optional<BranchSplit> split =
-      is_split ? branch_split(task.study) : std::optional<BranchSplit>();
+      split_by_rules(task.study, record.begun_rules().value_or(kCombinedRules));
   check_ladders(task.study, split);
   if (split) {
     return choose_branches(task, record, *split);
@@ -254,7 +280,7 @@ std::optional<SearchRungs> rungs_of_run(const Study& study, const std::filesyste
   const auto accuracy = result.is_object() ? result.find("accuracy") : result.end();
   const nlohmann::json told = accuracy != result.end() ? *accuracy : nlohmann::json();
   std::optional<SearchRungs> rungs =
-      told.contains("branches") ? told_branches(study, told["branches"]) : told_rung(study, told);
+      told.contains("branches") ? told_branches(study, told) : told_rung(study, told);
   if (!rungs) {
     throw IoError(fmt::format("{}: does not say how the search was rendered; finish the run first",
                               (run / "result.json").string()));

@@ -49,8 +49,8 @@ struct AccuracyTask {
       sample = {};
 };
 
-/// The rung of a study's search. Where a choice changes the scene's kind it has branches, each with
-/// a rung of its own, and of this one only split, branches and orders have a meaning.
+/// The rung of a study's search. Where choices change the scene's kind it has branches, each with a
+/// rung of its own, and of this one only split, branches and orders have a meaning.
 struct ChosenAccuracy {
   std::vector<RenderRung> ladder;
   LadderChoice choice;
@@ -66,7 +66,7 @@ struct ChosenAccuracy {
   std::string label;   ///< of a branch: "lighting_use = ring"
   double share = 1.0;  ///< of a branch: of the search's designs; equal shares before it
   std::optional<BranchSplit> split = {};
-  std::vector<ChosenAccuracy> branches = {};  ///< one for each value of the split
+  std::vector<ChosenAccuracy> branches = {};  ///< one for each of the split's values
   /// With "auto": of the designs of all branches together, each at its branch's rung.
   std::vector<OrderOf> orders = {};
 
@@ -85,6 +85,9 @@ struct ChosenAccuracy {
 
   /// The rungs of the search.
   SearchRungs rungs() const;
+
+  /// The least rules by which a search is rendered so: those of AccuracyRecord::begin_search().
+  int rules() const;
 
   /// Counted, of an evaluation of the search by the shares of its designs.
   double evaluation_work() const;
@@ -111,8 +114,9 @@ void check_accuracy_choice(const Study& study, bool takes_trials);
 
 /// Tries the ladder on the baseline, up to eight prototypes and a Sobol sequence over the
 /// variables, twelve designs in all; where branch_split() finds one, a ladder of each branch on
-/// eight designs of it, unless the search began by rules that knew none. The same for any number of
-/// threads and jobs, and whatever part of it was recorded before.
+/// eight designs of it. A search that began by rules that knew no branches, or those of one choice
+/// alone, goes on so. The same for any number of threads and jobs, and whatever part of it was
+/// recorded before.
 /// @throws ConfigError with its place when the study leaves nothing to choose; at once, without any
 ///         evaluation, when the record's search has begun and its trial is not all that this
 ///         program would try: its ladder was another one

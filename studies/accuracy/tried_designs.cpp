@@ -16,9 +16,13 @@ constexpr std::size_t kCandidatesPerDesign = 4;
 constexpr std::size_t kCandidates = kCandidatesPerDesign * kTriedDesigns;
 constexpr std::size_t kMaxPrototypes = 8;
 constexpr std::uint64_t kSpreadSeed = 3000017;  ///< other points than any search's own design
-/// Of the sequence, for each design that is wanted: more than enough for the smallest of
-/// kMaxBranches.
-constexpr std::size_t kPointsPerDesign = 4 * kMaxBranches;
+
+/// Of the sequence, for each design that is wanted of a branch, four times as many as there are
+/// branches: more than enough for the smallest. No fewer than of kMaxBranchValues.
+std::size_t points_per_design(std::size_t branches) {
+  constexpr std::size_t kPointsPerBranch = 4;
+  return kPointsPerBranch * std::max(kMaxBranchValues, branches);
+}
 
 /// Point k of a Sobol sequence over the variables, from 0.
 TriedDesign spread_design(const Study& study, const Sobol& sequence, std::uint32_t k) {
@@ -90,8 +94,8 @@ std::vector<TrialDesigns> tried_designs(const Study& study, const BranchSplit& s
     return branch.candidates.size() >= kCandidatesPerDesign * kTriedOfBranch;
   };
   const Sobol sequence = spread_sequence(study);
-  constexpr std::size_t kMaxPoints = kPointsPerDesign * kTriedOfBranch;
-  for (std::uint32_t k = 0; k < kMaxPoints && !std::ranges::all_of(branches, is_full); ++k) {
+  const std::size_t most = points_per_design(branches.size()) * kTriedOfBranch;
+  for (std::uint32_t k = 0; k < most && !std::ranges::all_of(branches, is_full); ++k) {
     const TriedDesign design = spread_design(study, sequence, k);
     TrialDesigns& branch = branches[split.branch_of(*design.point)];
     if (!is_full(branch)) {

@@ -37,7 +37,7 @@ struct TrialDesigns {
 /// prototypes and a Sobol sequence over the variables.
 std::vector<TriedDesign> tried_designs(const Study& study);
 
-/// Of each branch, in their order: the baseline with the branch's value, its prototypes and the
+/// Of each branch, in their order: the baseline with the branch's values, its prototypes and the
 /// points of the same sequence that lie in it.
 std::vector<TrialDesigns> tried_designs(const Study& study, const BranchSplit& split);
 

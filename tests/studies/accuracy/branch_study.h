@@ -32,14 +32,27 @@ evaluations = 90
          "\n";
 }
 
-/// Values of a design of that study.
+/// The same with a choice of the material: under the tunnel only a mirror has closed forms.
+inline std::string two_choices_study(const std::string& accuracy) {
+  std::string text = branch_study(accuracy);
+  text.insert(text.find("[objective]"),
+              "\"material.type\" = { choices = [\"mirror\", \"diffuse\"] }\n");
+  return text;
+}
+
+/// Values of a design of those studies.
 struct BranchDesign {
   bool is_ring = false;
   double gain = 0.0;
+  bool is_diffuse = false;  ///< of two_choices_study()
 };
 
 inline BranchDesign branch_design(const Overrides& overrides) {
-  return {.is_ring = overrides.at(0).second.text == "ring", .gain = overrides.at(1).second.number};
+  constexpr std::size_t kMaterial = 2;
+  return {
+      .is_ring = overrides.at(0).second.text == "ring",
+      .gain = overrides.at(1).second.number,
+      .is_diffuse = overrides.size() > kMaterial && overrides[kMaterial].second.text == "diffuse"};
 }
 
 /// 1 or -1, as if at random.

@@ -331,8 +331,8 @@ TEST(SearchReview, RefusesToGoOnWithWhatOtherRulesChose) {
   ASSERT_GT(Storage::read(folder / "study.sqlite").trials(TrialKind::kSearch).size(), 1U);
   std::filesystem::remove(folder / "accuracy.sqlite");
   EXPECT_THAT(refusal_in(folder), HasSubstr("was chosen by accuracy rules 1"));
-  note_begin(folder, kBranchRules + 1.0, "direct light, 8 samples");
-  EXPECT_THAT(refusal_in(folder), HasSubstr("was begun by a newer Glint (accuracy rules 4"));
+  note_begin(folder, kCombinedRules + 1.0, "direct light, 8 samples");
+  EXPECT_THAT(refusal_in(folder), HasSubstr("was begun by a newer Glint (accuracy rules 5"));
 }
 
 /// As if the search had begun with another rung, and one had not been there to be tried.

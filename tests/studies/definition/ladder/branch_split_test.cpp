@@ -2,6 +2,7 @@
 #include "studies/definition/ladder/branch_split.h"
 
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,6 +15,7 @@ namespace glint {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 const std::string kLitPlate = std::string(test::kPlateUnderTwoLights) + R"([lighting.wide]
 type = "ring"
@@ -29,11 +31,11 @@ tolerance = "auto"
 )";
 
 /// @param variables  lines of that table; a second one, sensor.bits, comes first
-Study study_with(const std::string& variables) {
+Study study_with(const std::string& variables, const std::vector<KeyValue>& sets = {}) {
   const TemporaryFolder folder;
   write_file(folder / "study.toml",
              kLitPlate + "[variables]\n\"sensor.bits\" = { min = 8, max = 10 }\n" + variables);
-  return load_study(folder / "study.toml", {});
+  return load_study(folder / "study.toml", sets);
 }
 
 // Under the tunnel the plate is a mirror with closed forms, under a ring its light is sampled.
@@ -41,7 +43,8 @@ TEST(BranchSplit, IsTheChoiceThatChangesHowTheSceneIsRendered) {
   const Study study = study_with("lighting_use = { choices = [\"tunnel\", \"ring\", \"wide\"] }\n");
   const auto split = branch_split(study);
   ASSERT_TRUE(split.has_value());
-  EXPECT_EQ(split->variable, 1U);
+  ASSERT_EQ(split->choices.size(), 1U);
+  EXPECT_EQ(split->choices[0].variable, 1U);
   EXPECT_EQ(split->name, "lighting_use");
   EXPECT_THAT(split->values, ElementsAre("tunnel", "ring", "wide"));
   EXPECT_EQ(split->branch_of({9.0, 2.0}), 2U);
@@ -74,13 +77,64 @@ TEST(BranchSplit, PrototypesBelongWhereTheirValueDoes) {
   EXPECT_FALSE(branch_of(study, split, {})) << "the file lets all of them shine";
 }
 
+const char* const kTunnelOrRing = "lighting_use = { choices = [\"tunnel\", \"ring\"] }\n";
+const char* const kMirrorOrMatt = "\"material.type\" = { choices = [\"mirror\", \"diffuse\"] }\n";
+
+// Only a mirror under a tunnel has closed forms, paths follow the others.
+TEST(BranchSplit, OfTwoChoicesAreTheirCombinations) {
+  const Study study = study_with(std::string(kTunnelOrRing) + kMirrorOrMatt);
+  const auto split = branch_split(study);
+  ASSERT_TRUE(split.has_value());
+  EXPECT_EQ(split->name, "lighting_use, material.type");
+  EXPECT_THAT(split->values,
+              ElementsAre("tunnel, mirror", "tunnel, diffuse", "ring, mirror", "ring, diffuse"));
+  EXPECT_EQ(split->branch_of({9.0, 1.0, 0.0}), 2U);
+  EXPECT_EQ(split->label(1), "lighting_use = tunnel, material.type = diffuse");
+  EXPECT_THAT(baseline_of(study, *split, 2), ElementsAre(baseline_point(study)[0], 1.0, 0.0));
+  EXPECT_THAT(in_branch(study, *split, 1, {9.0, 1.0, 0.0}), ElementsAre(9.0, 0.0, 1.0));
+  EXPECT_THAT(choices_in_common(study, split), IsEmpty());
+  EXPECT_EQ(branch_of(study, *split, {{"lighting_use", ConfigNode::from_text("ring")}}), 2U)
+      << "with the file's mirror";
+}
+
+TEST(BranchSplit, OfOneOfThemLeavesTheOtherInCommon) {
+  const Study study = study_with(std::string(kTunnelOrRing) + kMirrorOrMatt);
+  const auto split = one_choice_split(study);
+  ASSERT_TRUE(split.has_value());
+  EXPECT_THAT(split->values, ElementsAre("tunnel", "ring"));
+  EXPECT_THAT(choices_in_common(study, split), ElementsAre("material.type"));
+}
+
+// Under the ring of the file paths follow mirrors and matt plates alike.
+TEST(BranchSplit, FindsAChoiceThatMattersInAnotherBranchThanTheBaselines) {
+  const Study study =
+      study_with(std::string(kTunnelOrRing) + kMirrorOrMatt, {{"lighting_use", "ring"}});
+  const auto split = branch_split(study);
+  ASSERT_TRUE(split.has_value());
+  EXPECT_EQ(split->name, "lighting_use, material.type");
+}
+
+// Six times three are more than sixteen.
+TEST(BranchSplit, HasNoMoreThanSixteenBranches) {
+  const Study study = study_with(
+      "lighting_use = { choices = [\"tunnel\", \"ring\", \"wide\", \"ring+wide\", "
+      "\"tunnel+ring\", \"tunnel+wide\"] }\n"
+      "\"material.type\" = { choices = [\"mirror\", \"diffuse\", \"conductor\"] }\n",
+      {{"render.method", "auto"}});
+  const auto split = branch_split(study);
+  ASSERT_TRUE(split.has_value());
+  EXPECT_EQ(split->name, "lighting_use");
+  EXPECT_EQ(split->values.size(), 6U);
+  EXPECT_THAT(choices_in_common(study, split), ElementsAre("material.type"));
+}
+
 TEST(SearchRungs, AreNamedByTheValuesOfTheChoice) {
   RenderRung coarse;
   coarse.name = "8 samples";
   RenderRung fine;
   fine.name = "16 samples";
   EXPECT_EQ((SearchRungs{.split = {}, .rungs = {coarse}}.name()), "8 samples");
-  const BranchSplit split = {.variable = 0, .name = "lighting_use", .values = {"bar", "ring"}};
+  const BranchSplit split = split_by({{0, "lighting_use", {"bar", "ring"}}});
   const SearchRungs two = {.split = split, .rungs = {coarse, fine}};
   EXPECT_EQ(two.name(), "bar: 8 samples; ring: 16 samples");
   EXPECT_EQ(two.of({1.0}).name, "16 samples");

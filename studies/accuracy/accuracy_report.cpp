@@ -227,6 +227,9 @@ std::vector<std::string> branch_reasons(const Study& study, const ChosenAccuracy
     if (!part.rung().offsets.empty()) {
       why.push_back(fmt::format("Of {}: {}", part.label, offsets_text(part.rung())));
     }
+    if (!part.stays.empty()) {
+      why.push_back(part.stays);
+    }
   }
   if (study.accuracy->is_auto) {
     why.push_back(joint_text(chosen));
@@ -344,6 +347,9 @@ Json accuracy_json(const Study& study,
   why.push_back(work_text(work));
   if (!chosen.rung().offsets.empty()) {
     why.push_back(offsets_text(chosen.rung()));
+  }
+  if (!chosen.stays.empty()) {
+    why.push_back(chosen.stays);
   }
   Json json = {{"tolerance", tolerance_json(*study.accuracy)},
                {"confidence", study.accuracy->confidence},

@@ -9,6 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "core/text.h"
 #include "studies/accuracy/design_trial.h"
 #include "studies/accuracy/search_figures.h"
 #include "studies/accuracy/tried_designs.h"
@@ -55,6 +58,7 @@ class BranchTrials {
         record_(record),
         designs_(tried_designs(task.study, *chosen.split)),
         lowest_(designs_.size(), 0),
+        is_highest_(designs_.size(), false),
         chosen_(std::move(chosen)) {}
 
   ChosenAccuracy choose() {
@@ -108,12 +112,28 @@ class BranchTrials {
       if (!branch) {
         break;
       }
-      try_from(*branch, dearer_step(chosen_.branches[*branch]));
+      rise(*branch);
     }
     if (is_ranked()) {
       lower_all();
     }
     tell(is_ranked());
+  }
+
+  /// To the next rung that renders all designs of the branch. Where there is none the branch stays
+  /// where it is, and does not rise again.
+  void rise(std::size_t branch) {
+    ChosenAccuracy before = chosen_.branches[branch];
+    try_from(branch, dearer_step(before));
+    LadderChoice& risen = chosen_.branches[branch].choice;
+    if (!risen.scores.empty()) {
+      return;
+    }
+    before.choice.work = risen.work;
+    const auto above = static_cast<std::ptrdiff_t>(before.choice.step) + 1;
+    std::copy(risen.steps.begin() + above, risen.steps.end(), before.choice.steps.begin() + above);
+    chosen_.branches[branch] = std::move(before);
+    is_highest_[branch] = true;
   }
 
   /// Whether the designs of all branches that can be judged are ranked as their tops rank them.
@@ -150,7 +170,7 @@ class BranchTrials {
     double least = 0.0;
     for (std::size_t branch = 0; branch < chosen_.branches.size(); ++branch) {
       const ChosenAccuracy& part = chosen_.branches[branch];
-      if (!part.choice.problem.empty() || !has_dearer_rung(part)) {
+      if (!part.choice.problem.empty() || is_highest_[branch] || !has_dearer_rung(part)) {
         continue;
       }
       const double work = part.ladder[dearer_step(part)].work;
@@ -189,16 +209,32 @@ class BranchTrials {
     }
   }
 
+  /// Why the branches together do not rank rightly.
+  std::string unranked_reason() const {
+    std::vector<std::string> lost;
+    for (const ChosenAccuracy& part : chosen_.branches) {
+      if (part.choice.problem.empty() && part.choice.scores.empty()) {
+        lost.push_back(part.label);
+      }
+    }
+    return lost.empty() ? std::string(kUnranked)
+                        : fmt::format(
+                              "no way to render that a search may use renders all designs with {}; "
+                              "the dearest are taken",
+                              join(lost, " or "));
+  }
+
   /// A rung serves with those of the other branches.
   void tell(bool is_right) {
+    const std::vector<std::string> unreached =
+        is_right ? std::vector<std::string>() : std::vector<std::string>{unranked_reason()};
     for (ChosenAccuracy& part : chosen_.branches) {
       LadderChoice& choice = part.choice;
       if (!choice.problem.empty()) {
         continue;
       }
       choice.is_reached = is_right;
-      choice.unreached =
-          is_right ? std::vector<std::string>() : std::vector<std::string>{kUnranked};
+      choice.unreached = unreached;
       for (std::size_t step = 0; step <= choice.step; ++step) {
         choice.steps[step].serves = is_right && step == choice.step;
       }
@@ -209,6 +245,7 @@ class BranchTrials {
   AccuracyRecord& record_;
   std::vector<TrialDesigns> designs_;  ///< of each branch
   std::vector<std::size_t> lowest_;    ///< of each branch: the first step of its search
+  std::vector<bool> is_highest_;       ///< of each branch: no dearer rung renders all its designs
   std::optional<std::string> begun_;
   ChosenAccuracy chosen_;
 };

@@ -63,6 +63,10 @@ struct ChosenAccuracy {
   /// trial has them beside its twelve.
   std::vector<Trial> beyond;
 
+  /// Why a check beyond the bound did not raise the rung: no dearer one renders the trial's
+  /// designs.
+  std::string stays;
+
   std::string label;   ///< of a branch: "lighting_use = ring"
   double share = 1.0;  ///< of a branch: of the search's designs; equal shares before it
   std::optional<BranchSplit> split = {};

@@ -103,6 +103,30 @@ std::string raised_sentence(const CheckedDesign& design,
       to);
 }
 
+/// Whether a check beyond the bound may raise the rung of a search, or of a branch.
+bool may_rise(const ChosenAccuracy& part) {
+  return part.stays.empty() && has_dearer_rung(part);
+}
+
+/// @param part  at its rung
+std::string stays_sentence(const CheckedDesign& design, const ChosenAccuracy& part) {
+  std::vector<std::string> dearer;
+  for (std::size_t step = part.choice.step + 1; step < part.ladder.size(); ++step) {
+    if (part.ladder[step].is_for_search) {
+      dearer.push_back(fmt::format("\"{}\"", part.ladder[step].name));
+    }
+  }
+  return fmt::format(
+      "Trial {} differs between \"{}\" and \"{}\" by more than the bound ({}), and {} stays at "
+      "the former: no dearer way that it may use ({}) renders every design of the trial.",
+      design.trial,
+      part.rung().name,
+      design.rung,
+      join(design.beyond, ", "),
+      part.label.empty() ? "the search" : "the branch of " + part.label,
+      join(dearer, ", "));
+}
+
 /// The steps of the branches; of a search without them none.
 std::vector<double> steps_of(const ChosenAccuracy& chosen) {
   std::vector<double> steps;
@@ -225,7 +249,7 @@ void SearchReview::resume(const Storage& storage) {
   }
 }
 
-/// Ends with the first design beyond the bound, as long as its branch may use a dearer rung.
+/// Ends with the first design beyond the bound whose branch may rise.
 void SearchReview::check_up_to(std::span<const Trial> told) {
   checked_.clear();
   undecided_.clear();
@@ -259,7 +283,7 @@ bool SearchReview::is_beyond_with(const Trial& told, Part& part) {
   while (const std::optional<CheckedDesign> decided = next_checked(part, *second, allowed)) {
     checked_.push_back(*decided);
     checked_.back().branch = part.index;
-    if (has_dearer_rung(part.chosen) && !checked_.back().beyond.empty()) {
+    if (may_rise(part.chosen) && !checked_.back().beyond.empty()) {
       return true;
     }
   }
@@ -323,10 +347,18 @@ std::optional<CheckedDesign> SearchReview::confirmed(Part& part,
 
 std::optional<Event> SearchReview::review(std::span<const Trial> told) {
   try {
-    check_up_to(told);
-    const bool is_beyond = !checked_.empty() && !checked_.back().beyond.empty();
-    return is_beyond && has_dearer_rung(chosen_.parts()[checked_.back().branch]) ? raise(told)
-                                                                                 : std::nullopt;
+    for (;;) {
+      check_up_to(told);
+      const std::size_t branch = checked_.empty() ? 0 : checked_.back().branch;
+      if (checked_.empty() || checked_.back().beyond.empty() ||
+          !may_rise(chosen_.parts()[branch])) {
+        return std::nullopt;
+      }
+      std::optional<Event> epoch = raise(told);
+      if (epoch || may_rise(chosen_.parts()[branch])) {  // the latter: interrupted
+        return epoch;
+      }
+    }
   } catch (const EvaluationAborted&) {
     return std::nullopt;
   }
@@ -354,11 +386,24 @@ EndedEpoch SearchReview::ended_by(const CheckedDesign& design,
   return ended;
 }
 
+/// Notes that the rung which was tried for a branch, or for the search, is none for its designs.
+void SearchReview::stay(const CheckedDesign& design, const ChosenAccuracy& raised) {
+  ChosenAccuracy& part = chosen_.split ? chosen_.branches[design.branch] : chosen_;
+  part.stays = stays_sentence(design, part);
+  part.choice.work = std::max(part.choice.work, raised.parts()[design.branch].choice.work);
+  log(LogLevel::kWarning, "{}", part.stays);
+}
+
 std::optional<Event> SearchReview::raise(std::span<const Trial> told) {
   const CheckedDesign& design = checked_.back();
   const Trial& trial = *std::ranges::find(told, design.trial, &Trial::number);
   std::optional<ChosenAccuracy> raised = raise_accuracy(task_, record_, chosen_, trial, told);
   if (!raised || (task_.interrupt != nullptr && *task_.interrupt > 0)) {
+    return std::nullopt;
+  }
+  const LadderChoice& risen = raised->parts()[design.branch].choice;
+  if (risen.problem.empty() && risen.scores.empty()) {
+    stay(design, *raised);
     return std::nullopt;
   }
   // Their outcomes are withdrawn from the search; those that were corrected by the trial of this

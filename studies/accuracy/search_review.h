@@ -73,8 +73,8 @@ class SearchReview {
   /// is looked after as if it were a search of its own. By kPixelRules a design is looked at in
   /// random pixels first, and as a whole where these leave it in doubt, before any other one.
   /// @param told  trials of this epoch, by number
-  /// @return the epoch that begins when a design is beyond the bound and a dearer rung is left;
-  ///         nothing when interrupted
+  /// @return the epoch that begins when a design is beyond the bound and a dearer rung is left that
+  ///         renders the designs of its trial; nothing when interrupted
   /// @throws IoError
   std::optional<Event> review(std::span<const Trial> told);
 
@@ -98,6 +98,7 @@ class SearchReview {
                       const ChosenAccuracy& raised,
                       std::span<const Trial> told) const;
   std::optional<Event> raise(std::span<const Trial> told);
+  void stay(const CheckedDesign& design, const ChosenAccuracy& raised);
 
   const AccuracyTask& task_;
   AccuracyRecord& record_;

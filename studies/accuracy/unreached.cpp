@@ -25,6 +25,11 @@ std::optional<std::size_t> closest_step(const LadderTask& task,
   return best;
 }
 
+std::string unable_text(const LadderTask& task, const LadderChoice& choice) {
+  return fmt::format("\"{}\", which is taken, cannot render every design of the trial",
+                     task.steps[choice.step].name);
+}
+
 /// Each score is reached by some step, but no step reaches all of them.
 std::vector<std::string> taken_bounds(const LadderTask& task, const LadderChoice& choice) {
   std::vector<std::string> texts;
@@ -60,8 +65,10 @@ std::string unranked_text(const LadderTask& task, bool ranks_nothing) {
 std::vector<std::string> unreached_texts(const LadderTask& task,
                                          const LadderChoice& choice,
                                          bool ranks_nothing) {
+  const StepReport& taken = choice.steps[choice.step];
+  const bool is_unable = taken.is_tried && taken.bounds.empty();
   if (task.wish.is_auto) {
-    return {unranked_text(task, ranks_nothing)};
+    return {is_unable ? unable_text(task, choice) : unranked_text(task, ranks_nothing)};
   }
   std::vector<std::string> texts;
   for (std::size_t wish = 0; wish < task.wish.wishes.size(); ++wish) {
@@ -74,6 +81,9 @@ std::vector<std::string> unreached_texts(const LadderTask& task,
                                   task.steps[*best].name,
                                   bound->bound));
     }
+  }
+  if (is_unable) {
+    texts.push_back(unable_text(task, choice));
   }
   return texts.empty() ? taken_bounds(task, choice) : texts;
 }

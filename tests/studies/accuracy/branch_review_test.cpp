@@ -29,6 +29,7 @@ using test::kRingBranch;
 using test::kTunnelBranch;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
@@ -59,8 +60,24 @@ double made_up_score(const test::BranchDesign& design) {
                         : 0.3 - std::pow(design.gain - 1.0, 2) / 4.0;
 }
 
-/// @param stop_at  the evaluation that an interrupt cuts short; 0: none
-BranchedRun branched_run_in(const TemporaryFolder& folder, int stop_at = 0) {
+struct BranchedRunOptions {
+  int stop_at = 0;           ///< the evaluation that an interrupt cuts short; 0: none
+  bool is_fine_able = true;  ///< false: the finer rung of rings cannot render the trial's designs
+};
+
+/// @param is_tried  the trial has a design of its gain
+Outcome made_up_outcome(const test::BranchDesign& design,
+                        const RenderRung& rung,
+                        bool is_tried,
+                        const BranchedRunOptions& options) {
+  if (design.is_ring && rung.name == kFineRing && is_tried && !options.is_fine_able) {
+    return Outcome{.is_failed = true, .message = "cannot be rendered"};
+  }
+  const bool is_wrong = design.is_ring && rung.name == kCoarseRing && !is_tried;
+  return Outcome{.scores = test::branch_scores(made_up_score(design) + (is_wrong ? 1.0 : 0.0))};
+}
+
+BranchedRun branched_run_in(const TemporaryFolder& folder, const BranchedRunOptions& options = {}) {
   write_file(folder / "study.toml",
              test::branch_study("tolerance = { \"homogeneity.mean\" = 0.2 }"));
   const Study study = load_study(folder / "study.toml", {});
@@ -73,7 +90,7 @@ BranchedRun branched_run_in(const TemporaryFolder& folder, int stop_at = 0) {
   std::atomic<int> interrupt = 0;
   BranchedRun run;
   const auto evaluate = [&](const Overrides& overrides, const RenderRung& rung) {
-    if (++run.evaluations == stop_at) {
+    if (++run.evaluations == options.stop_at) {
       interrupt = 2;
       throw EvaluationAborted();
     }
@@ -81,9 +98,7 @@ BranchedRun branched_run_in(const TemporaryFolder& folder, int stop_at = 0) {
     if (!design.is_ring) {
       ++run.of_tunnels[fmt::format("{} {:a}", rung.name, design.gain)];
     }
-    const bool is_wrong =
-        design.is_ring && rung.name == kCoarseRing && !tried.contains(design.gain);
-    return Outcome{.scores = test::branch_scores(made_up_score(design) + (is_wrong ? 1.0 : 0.0))};
+    return made_up_outcome(design, rung, tried.contains(design.gain), options);
   };
   const auto search = [&](const ChosenAccuracy& chosen, const Review& review) {
     return run_search(
@@ -218,16 +233,49 @@ TEST(BranchReview, CutShortItComesToTheSame) {
                             expected.evaluations * 3 / 4,
                             expected.evaluations - 2}) {
     const TemporaryFolder folder;
-    EXPECT_EQ(branched_run_in(folder, stop_at).search.termination, Termination::kInterrupted);
+    EXPECT_EQ(branched_run_in(folder, {.stop_at = stop_at}).search.termination,
+              Termination::kInterrupted);
     const BranchedRun run = branched_run_in(folder);
     EXPECT_EQ(branched_trials_of(folder), branched_trials_of(whole)) << stop_at;
     EXPECT_EQ(run.check, expected.check) << stop_at;
   }
 }
 
+// An epoch would evaluate all rings again by what bounds nothing.
+TEST(BranchReview, ABranchStaysWhereNoDearerRungRendersTheTrialsDesigns) {
+  const TemporaryFolder folder;
+  const BranchedRun run = branched_run_in(folder, {.is_fine_able = false});
+  ASSERT_TRUE(run.found.check);
+  EXPECT_THAT(run.found.check->ended, IsEmpty());
+  const ChosenAccuracy& ring = run.found.chosen->branches[kRingBranch];
+  EXPECT_EQ(ring.rung().name, kCoarseRing);
+  EXPECT_THAT(ring.stays,
+              AllOf(HasSubstr("the branch of lighting_use = ring stays at the former"),
+                    HasSubstr("(\"direct light, 16 samples\") renders every design")));
+  int beyond = 0;
+  for (const CheckedDesign& design : run.found.check->during) {
+    beyond += design.beyond.empty() ? 0 : 1;
+  }
+  EXPECT_GE(beyond, 1) << "it is told";
+}
+
+TEST(BranchReview, CutShortWhereItStaysItComesToTheSame) {
+  const BranchedRunOptions unable = {.is_fine_able = false};
+  const TemporaryFolder whole;
+  const BranchedRun expected = branched_run_in(whole, unable);
+  const TemporaryFolder folder;
+  const int late = expected.evaluations - 20;
+  branched_run_in(folder, {.stop_at = late, .is_fine_able = false});
+  const BranchedRun run = branched_run_in(folder, unable);
+  EXPECT_EQ(branched_trials_of(folder), branched_trials_of(whole));
+  EXPECT_EQ(run.check, expected.check);
+  EXPECT_EQ(run.found.chosen->branches[kRingBranch].stays,
+            expected.found.chosen->branches[kRingBranch].stays);
+}
+
 TEST(BranchReview, TheRecordHasTheRungsOfAllBranches) {
   const TemporaryFolder folder;
-  branched_run_in(folder, 60);
+  branched_run_in(folder, {.stop_at = 60});
   const std::vector<Event> events = Storage::read(folder / "accuracy.sqlite").events();
   ASSERT_THAT(events, SizeIs(1));
   EXPECT_EQ(events[0].kind, EventKind::kRules);

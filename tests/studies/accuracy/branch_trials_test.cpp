@@ -167,6 +167,41 @@ TEST(ChooseBranches, AutoSaysWhereNoRungsRankRightly) {
   EXPECT_THAT(told["unreached"][0].get<std::string>(), HasSubstr("of all branches together"));
 }
 
+// 16 samples, the ring's only dearer rung that a search may use, cannot render its designs.
+TEST(ChooseBranches, ABranchStaysWhereNoDearerRungRendersItsDesigns) {
+  Chooser chooser{branched_study("tolerance = \"auto\"")};
+  const ScoreOf too_bright = bright_rings(8);
+  const ChosenAccuracy chosen =
+      chooser.choose([&](const test::BranchDesign& design, const RenderRung& rung) {
+        return design.is_ring && rung.paths.samples == 16 ? std::nan("") : too_bright(design, rung);
+      });
+  const ChosenAccuracy& ring = chosen.branches[kRingBranch];
+  EXPECT_EQ(ring.rung().name, "direct light, 8 samples");
+  EXPECT_THAT(ring.choice.scores, SizeIs(kTriedOfBranch));
+  EXPECT_EQ(ring.choice.steps[1].skipped, "cannot render every design");
+  EXPECT_FALSE(ring.choice.is_reached);
+  ASSERT_THAT(chosen.orders, SizeIs(1)) << "all branches are ranked";
+  EXPECT_LT(chosen.orders[0].agreement.tau, 0.9);
+  EXPECT_THAT(ring.choice.unreached[0], HasSubstr("of all branches together"));
+}
+
+// The file's own accuracy of directions leaves the tunnel one rung; its top is only compared with.
+TEST(ChooseBranches, SaysOfWhichBranchNoRungRendersAllDesigns) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", test::branch_study("tolerance = \"auto\""));
+  Chooser chooser{load_study(folder / "study.toml", {{"render.max_direction_error_mrad", "0.2"}})};
+  const ChosenAccuracy chosen =
+      chooser.choose([](const test::BranchDesign& design, const RenderRung& rung) {
+        return !design.is_ring && rung.is_for_search ? std::nan("") : design.gain;
+      });
+  for (const ChosenAccuracy& part : chosen.branches) {
+    EXPECT_FALSE(part.choice.is_reached) << part.label;
+    ASSERT_THAT(part.choice.unreached, SizeIs(1)) << part.label;
+    EXPECT_THAT(part.choice.unreached[0],
+                HasSubstr("renders all designs with lighting_use = tunnel;"));
+  }
+}
+
 /// 8 samples are off by 0.4 either way for matt plates under a ring alone.
 double wrong_matt_ring(const test::BranchDesign& design, const RenderRung& rung) {
   const bool is_coarse = design.is_ring && design.is_diffuse && rung.paths.samples == 8;

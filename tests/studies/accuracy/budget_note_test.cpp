@@ -86,5 +86,19 @@ TEST(UnreachedTexts, NameNoStepThatWasLeftOut) {
               testing::ElementsAre(HasSubstr("\"all\" reaches 0.05")));
 }
 
+TEST(UnreachedTexts, SayThatTheTakenStepCannotRenderEveryDesign) {
+  LadderTask task;
+  task.wish.wishes = {{.score = "homogeneity.h_rms", .tolerance = 0.01}};
+  task.steps = {{.name = "direct", .work = 1.0}, {.name = "all", .work = 2.0}};
+  LadderChoice choice = {.step = 1};
+  choice.steps = {{.is_tried = true}, {.is_tried = true}};
+  choice.steps[0].bounds = {{.score = "homogeneity.h_rms", .tolerance = 0.01, .bound = 0.02}};
+  const auto unable = HasSubstr("\"all\", which is taken, cannot render every design");
+  EXPECT_THAT(unreached_texts(task, choice, false),
+              testing::ElementsAre(HasSubstr("\"direct\" reaches 0.02"), unable));
+  task.wish.is_auto = true;
+  EXPECT_THAT(unreached_texts(task, choice, false), testing::ElementsAre(unable));
+}
+
 }  // namespace
 }  // namespace glint

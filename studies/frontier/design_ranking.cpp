@@ -158,7 +158,10 @@ class Ranking {
   std::optional<SceneSettings> design(std::uint32_t index) const {
     const Sobol sequence(kDesignSeed, static_cast<int>(study_.space.variables.size()));
     try {
-      const Point point = point_from_unit(study_.space, sequence.point(index));
+      Point point = point_from_unit(study_.space, sequence.point(index));
+      if (frontier_.branch) {
+        point = in_branch(study_, *frontier_.split, *frontier_.branch, point);
+      }
       return with_larger_pixels(scene_with(study_, overrides_of(study_, point)),
                                 frontier_.pixel_factor);
     } catch (const ConfigError&) {

@@ -35,12 +35,13 @@ MethodRanking worst_order(const Goal& goal,
 void take_out_mean_errors(std::span<Scores> cheap, std::span<const Scores> reference);
 
 /// Designs that are spread evenly over the study's variables (Sobol points, the same in each run),
-/// scored by the methods of a frontier, as a search would: all by the same random numbers, limits
-/// counted in, scores of paths at half resolution less their mean error. The reference is the
-/// dearest method at full resolution for which there is time; its standard error comes from a
-/// second picture with other random numbers, or, where there is no noise, from its distance to the
-/// next coarser sampling. Empty without variables, without an objective that one picture gives, or
-/// without time for two methods.
+/// all of the scene's branch where the frontier has one, scored by the methods of a frontier, as a
+/// search would: all by the same random numbers, limits counted in, scores of paths at half
+/// resolution less their mean error. The reference is the dearest method at full resolution for
+/// which there is time; its standard error comes from a second picture with other random numbers,
+/// or, where there is no noise, from its distance to the next coarser sampling. Empty without
+/// variables, without an objective that one picture gives, or without time for two methods.
+/// @param frontier  after find_branch()
 std::optional<DesignRanking> rank_designs(const Study& study,
                                           const Frontier& frontier,
                                           const RankingOptions& options);

@@ -6,6 +6,7 @@
 // pictures together, whose own noise is taken out of the errors (docs/frontier.md).
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <optional>
@@ -14,6 +15,7 @@
 
 #include "metrics/statistics/rank_agreement.h"
 #include "optimizer/problem/goal.h"
+#include "studies/definition/ladder/branch_split.h"
 #include "studies/definition/scene.h"
 #include "studies/frontier/frontier_errors.h"
 
@@ -65,6 +67,8 @@ struct Frontier {
   std::optional<DesignRanking> ranking;  ///< with variables and time for it
   std::string choice_rule;               ///< of mark_choice(): what the automatic choice does
   bool is_choice_by_order = false;       ///< the rule is the order of designs
+  std::optional<BranchSplit> split;      ///< of the study's search; empty: it has one ladder
+  std::optional<std::size_t> branch;     ///< that the scene lies in; empty: in none
 };
 
 struct FrontierOptions {

@@ -72,15 +72,22 @@ bool serves(const FrontierPoint& point,
   return is_close(point);
 }
 
-std::string rule_text(const std::vector<ScoreWish>& wishes,
-                      const std::optional<DesignRanking>& ranking) {
+/// "lighting_use = ring"; empty: the study has no branches, or the scene lies in none.
+std::string own_branch(const Frontier& frontier) {
+  return frontier.branch ? frontier.split->label(*frontier.branch) : std::string();
+}
+
+std::string rule_text(const std::vector<ScoreWish>& wishes, const Frontier& frontier) {
+  const std::optional<DesignRanking>& ranking = frontier.ranking;
   if (!wishes.empty()) {
     std::vector<std::string> texts(wishes.size());
     std::ranges::transform(wishes, texts.begin(), wish_text);
     return "is within " + join(texts, ", ");
   }
-  return ranking ? fmt::format("puts {} designs into the order that {} gives",
+  const std::string own = own_branch(frontier);
+  return ranking ? fmt::format("puts {} designs{} into the order that {} gives",
                                ranking->designs,
+                               own.empty() ? "" : " with " + own,
                                ranking->reference)
                  : fmt::format("is within {:g} point of h and {:g} % of every defect's contrast",
                                kChoicePoints,
@@ -96,9 +103,32 @@ std::string pairs_text(const FrontierPoint& choice, const Frontier& frontier) {
                                       row->agreement.pairs);
 }
 
+/// A run has a rung for each branch; this one is of the scene's.
+std::string branch_text(const Frontier& frontier) {
+  if (!frontier.branch) {
+    return "";
+  }
+  return fmt::format(
+      " It is that of designs with {}: a run chooses one for each of {} branches (by {}), of which "
+      "--set gives the scene another one.",
+      own_branch(frontier),
+      frontier.split->values.size(),
+      frontier.split->name);
+}
+
 }  // namespace
 
-std::vector<RenderRung> choice_ladder(const Study& study) {
+void find_branch(const Study& study, Frontier& frontier) {
+  frontier.split = study.has_objective ? branch_split(study) : std::optional<BranchSplit>();
+  frontier.branch = frontier.split ? branch_of(study, *frontier.split, {}) : std::nullopt;
+}
+
+std::vector<RenderRung> choice_ladder(const Study& study, const Frontier& frontier) {
+  if (frontier.split) {
+    return frontier.branch
+               ? branch_ladder(study, tried_designs(study, *frontier.split)[*frontier.branch])
+               : std::vector<RenderRung>();
+  }
   return study.has_search() && study.has_objective
              ? search_ladder(study)
              : render_ladder(study.scene, kept_keys(study.root));
@@ -119,7 +149,7 @@ void mark_choice(std::span<const RenderRung> ladder,
     return;
   }
   const std::vector<ScoreWish> wishes = accuracy ? accuracy->wishes : std::vector<ScoreWish>();
-  frontier.choice_rule = rule_text(wishes, frontier.ranking);
+  frontier.choice_rule = rule_text(wishes, frontier);
   frontier.is_choice_by_order = wishes.empty() && frontier.ranking.has_value();
   FrontierPoint* choice = nullptr;
   double min_work = 0.0;
@@ -138,23 +168,32 @@ void mark_choice(std::span<const RenderRung> ladder,
 
 void mark_choice(const Study& study, Frontier& frontier) {
   if (frontier.reference.method.follows_paths) {
-    mark_choice(choice_ladder(study), study.accuracy, frontier);
+    mark_choice(choice_ladder(study, frontier), study.accuracy, frontier);
   }
 }
 
 std::string choice_sentence(const Frontier& frontier) {
+  if (frontier.split && !frontier.branch) {
+    return fmt::format(
+        "A run chooses a rung for each of {} branches (by {}), and the scene lies in none of them: "
+        "there is no automatic choice; --set gives it the values of a branch.",
+        frontier.split->values.size(),
+        frontier.split->name);
+  }
   const auto choice = std::ranges::find_if(frontier.points, &FrontierPoint::is_chosen);
   return choice == frontier.points.end()
              ? fmt::format(
                    "No rung of the ladder that was measured {}: there is no automatic "
-                   "choice.",
-                   frontier.choice_rule)
+                   "choice.{}",
+                   frontier.choice_rule,
+                   branch_text(frontier))
              : fmt::format(
                    "The automatic choice is {}, of the rungs that were measured the one of "
-                   "least counted work that {}{}.",
+                   "least counted work that {}{}.{}",
                    choice->label,
                    frontier.choice_rule,
-                   pairs_text(*choice, frontier));
+                   pairs_text(*choice, frontier),
+                   branch_text(frontier));
 }
 
 }  // namespace glint

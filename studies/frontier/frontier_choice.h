@@ -20,9 +20,14 @@ namespace glint {
 inline constexpr double kChoicePoints = 0.5;    ///< of h, hundredths
 inline constexpr double kChoiceContrast = 5.0;  ///< of the worst defect, per cent
 
-/// The rungs that [accuracy] chooses from in the study, or would with that table; of a scene
-/// without a search those of its own ladder.
-std::vector<RenderRung> choice_ladder(const Study& study);
+/// Sets the branches of the study's search (docs/accuracy.md, "Branches") and that of its scene:
+/// the order of designs and the choice are those of this branch, as a run's are.
+void find_branch(const Study& study, Frontier& frontier);
+
+/// The rungs that [accuracy] chooses from in the study, or would with that table: of the scene's
+/// branch, where the search has some, and none where the scene lies in none of them. Of a scene
+/// without a search those of its own ladder. @param frontier  after find_branch()
+std::vector<RenderRung> choice_ladder(const Study& study, const Frontier& frontier);
 
 /// The study's goal with the scores that [accuracy] names: without limits, they are scored alone.
 Goal choice_goal(const Study& study);
@@ -36,7 +41,7 @@ void mark_choice(std::span<const RenderRung> ladder,
                  const std::optional<AccuracySettings>& accuracy,
                  Frontier& frontier);
 
-/// The same by the study's own ladder and [accuracy].
+/// The same by the study's own ladder and [accuracy]. @param frontier  after find_branch()
 void mark_choice(const Study& study, Frontier& frontier);
 
 /// What was chosen and by which rule, or that nothing is known to serve. After mark_choice().

@@ -164,6 +164,7 @@ Json measure(const Study& study, const FrontierRun& run, Frontier& frontier) {
                                  .budget_s = share * run.budget_s,
                                  .goal = study.has_objective ? &goal : nullptr,
                                  .on_progress = show});
+    find_branch(study, frontier);
     const double taken_s = std::chrono::duration<double>(Clock::now() - start).count();
     frontier.ranking = rank_designs(study,
                                     frontier,
@@ -342,6 +343,11 @@ Json frontier_json(const Study& study, const Frontier& frontier) {
                {"reference", reference_json(frontier.reference)},
                {"points", points}};
   json["objective"] = study.has_objective ? Json(study.goal.objective.name) : Json(nullptr);
+  if (frontier.split) {
+    json["branch"] =
+        frontier.branch ? Json(frontier.split->label(*frontier.branch)) : Json(nullptr);
+    json["branches"] = {{"variable", frontier.split->name}, {"values", frontier.split->values}};
+  }
   json["ranking"] = frontier.ranking ? ranking_json(*frontier.ranking) : Json(nullptr);
   json["report"] = "frontier.html";
   json["drawing"] = "frontier.svg";

@@ -11,6 +11,7 @@
 #include "studies/frontier/design_ranking.h"
 #include "studies/frontier/frontier_methods.h"
 #include "tests/studies/frontier/steel_under_ring.h"
+#include "tests/studies/plate_under_two_lights.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -166,6 +167,56 @@ TEST(FrontierChoice, IsOfTheStudysOwnLadder) {
             "8 samples");
   EXPECT_EQ(chosen_of_exact_points(steel_study({{"variables", "{}"}})), "direct sum, 1 ray")
       << "a scene has a ladder, too";
+}
+
+/// A mirror under a tunnel, or under a ring, which paths follow.
+Study two_lights_study(const std::vector<KeyValue>& sets) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml",
+             std::string(test::kPlateUnderTwoLights) +
+                 "[variables]\nlighting_use = { choices = [\"tunnel\", \"ring\"] }\n"
+                 "\"sensor.gain\" = { min = 0.5, max = 2 }\n"
+                 "[objective]\nmaximise = \"homogeneity.h_rms\"\n");
+  return load_study(folder / "study.toml", sets);
+}
+
+/// All of its points exact.
+Frontier marked_frontier(const Study& study) {
+  Frontier frontier;
+  frontier.reference.method.follows_paths = true;
+  frontier.points = frontier_methods(study.scene);
+  find_branch(study, frontier);
+  mark_choice(study, frontier);
+  return frontier;
+}
+
+TEST(FrontierChoice, IsOfTheScenesBranch) {
+  const Study study = two_lights_study({{"lighting_use", "ring"}});
+  Frontier frontier = marked_frontier(study);
+  EXPECT_EQ(frontier.branch, 1U);
+  EXPECT_NE(label_of_choice(frontier), "none");
+  EXPECT_THAT(choice_sentence(frontier),
+              HasSubstr("that of designs with lighting_use = ring: a run chooses one for each of 2 "
+                        "branches (by lighting_use)"));
+  frontier.ranking = ranking_of_points();
+  mark_choice(study, frontier);
+  EXPECT_THAT(frontier.choice_rule, HasSubstr("puts 12 designs with lighting_use = ring into"));
+}
+
+// The file lets both shine, which no design of the search does.
+TEST(FrontierChoice, IsNoneWhereTheSceneLiesInNoBranch) {
+  const Frontier frontier = marked_frontier(two_lights_study({}));
+  EXPECT_TRUE(frontier.split.has_value());
+  EXPECT_FALSE(frontier.branch.has_value());
+  EXPECT_EQ(label_of_choice(frontier), "none");
+  EXPECT_THAT(choice_sentence(frontier), HasSubstr("the scene lies in none of them"));
+}
+
+TEST(FrontierChoice, HasNoBranchWithoutSuchAChoice) {
+  Frontier frontier;
+  find_branch(steel_study({}), frontier);
+  EXPECT_FALSE(frontier.split.has_value());
+  EXPECT_FALSE(frontier.branch.has_value());
 }
 
 TEST(ChoiceGoal, HasTheScoresOfTheTolerances) {

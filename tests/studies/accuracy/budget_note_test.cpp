@@ -68,6 +68,36 @@ TEST(BudgetNote, NamesNoRungThatWasLeftOut) {
   EXPECT_THAT(budget_note(study_of(100), chosen, 30), HasSubstr("by \"coarse\""));
 }
 
+/// Half of the designs each: by "middle" with bar, by "fine" with ring, 10 an evaluation.
+ChosenAccuracy two_branches() {
+  ChosenAccuracy chosen;
+  chosen.split = split_by({{0, "lighting_use", {"bar", "ring"}}});
+  for (std::size_t branch = 0; branch < 2; ++branch) {
+    ChosenAccuracy part = three_rungs();
+    part.label = chosen.split->label(branch);
+    part.share = 0.5;
+    chosen.branches.push_back(part);
+  }
+  chosen.branches[0].choice.step = 1;
+  return chosen;
+}
+
+// 30 evaluations of 10 are 75 of 4 (both by "middle") and 120 of 2.5 (bar by "coarse"); of 1, the
+// least, they are 300.
+TEST(BudgetNote, OfBranchesTellsTheBoundsOfThoseThatGoDown) {
+  const ChosenAccuracy chosen = two_branches();
+  const std::string of_ring = budget_note(study_of(60), chosen, 30);
+  EXPECT_THAT(of_ring, HasSubstr("by \"bar: middle; ring: fine\" about 30 of 60 evaluations"));
+  EXPECT_THAT(
+      of_ring,
+      HasSubstr("all of them would by \"middle\" for lighting_use = ring, which is exact to "
+                "homogeneity.h_rms within 0.1."));
+  EXPECT_THAT(budget_note(study_of(100), chosen, 30),
+              HasSubstr("by \"coarse\" for lighting_use = bar, which is exact to "
+                        "homogeneity.h_rms within 0.3; and by \"middle\" for lighting_use = ring"));
+  EXPECT_THAT(budget_note(study_of(301), chosen, 30), HasSubstr("no cheaper way"));
+}
+
 // Few reflections come near by chance in one score; they are left out for another one.
 TEST(UnreachedTexts, NameNoStepThatWasLeftOut) {
   LadderTask task;

@@ -4,6 +4,8 @@
 // prototypes are the others, with evaluations that are made up.
 #include <atomic>
 #include <set>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -89,6 +91,25 @@ TEST(ChooseAccuracy, ARoughPrototypeBesideMirrorsIsTooFewToCompare) {
   EXPECT_EQ(chosen.choice.work, chosen.ladder.back().work) << "of the one that was evaluated";
   EXPECT_THAT(chosen.choice.problem, HasSubstr("1 of 1 designs can be evaluated"));
   EXPECT_THAT(chosen.choice.problem, HasSubstr("the other 47 are mirrors"));
+}
+
+// Mirrors under the tunnel by the file's accuracy of directions, rings by one sample.
+TEST(CheckAccuracyChoice, RefusesKeysByHandThatLeaveNoBranchAChoice) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", kMixedStudy);
+  const std::vector<KeyValue> sets = {{"render.max_direction_error_mrad", "0.2"},
+                                      {"render.paths.samples", "1"}};
+  const auto refusal = [&](const std::vector<KeyValue>& given) {
+    try {
+      check_accuracy_choice(load_study(folder / "study.toml", given), false);
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(refusal(sets), HasSubstr("leaves one way to render"));
+  EXPECT_THAT(refusal(sets), HasSubstr("render.max_direction_error_mrad"));
+  EXPECT_EQ(refusal({sets.front()}), "") << "rings have a choice left";
 }
 
 }  // namespace

@@ -9,25 +9,15 @@
 #include <fmt/format.h>
 
 #include "core/units.h"
-#include "simulator/light/tunnel/tunnel.h"
 #include "simulator/material/fresnel.h"
 #include "simulator/material/nk_table.h"
 #include "studies/definition/ladder/lamp_share.h"
 #include "studies/definition/ladder/render_ladder.h"
+#include "studies/definition/ladder/wall_share.h"
 #include "studies/definition/render_methods.h"
 
 namespace glint {
 namespace {
-
-double length_of(const std::vector<std::vector<Eigen::Vector2d>>& lines) {
-  double length_mm = 0.0;
-  for (const auto& line : lines) {
-    for (std::size_t i = 1; i < line.size(); ++i) {
-      length_mm += (line[i] - line[i - 1]).norm();
-    }
-  }
-  return length_mm;
-}
 
 /// Of metal with a table of n and k; none for other materials.
 std::vector<std::complex<double>> indices_of(const SceneSettings& scene) {
@@ -85,27 +75,24 @@ std::string lamp_note(const SceneSettings& scene,
       100.0 * share.seen);
 }
 
-/// What the part throws back to the wall makes it brighter by: the part's share of what the wall
-/// sees, times both reflectances.
+/// Of the light that the part throws back to the wall what the wall returns to the part, times both
+/// reflectances.
 std::string wall_note(const SceneSettings& scene,
                       const Eigen::Vector3d& size_mm,
                       const MeshLoader& load_mesh) {
   constexpr double kWallReflectance = 0.5;  // of opal acrylic, about
-  constexpr double kStep_mm = 1.0;
+  constexpr double kMm2PerCm2 = 100.0;
   if (!scene.has_tunnel) {
     return lamp_note(scene, size_mm, load_mesh);
   }
-  const double wall_mm2 =
-      length_of(Tunnel(scene.tunnel).outline(kStep_mm)) * scene.tunnel.length_mm;
-  const double part_mm2 = size_mm.x() * size_mm.y();
-  const double share = kWallReflectance * mean_reflectance(scene) * part_mm2 / wall_mm2;
+  const WallShare share = wall_share(scene, size_mm);
   return fmt::format(
       "Light that goes from the part back to the wall and from there to the part again is not "
       "modelled: about {:.1g} % of the wall's light (part {:.0f} cm2, wall {:.0f} cm2 that "
       "reflects a half).",
-      100.0 * share,
-      part_mm2 / 100.0,
-      wall_mm2 / 100.0);
+      100.0 * kWallReflectance * mean_reflectance(scene) * share.returned,
+      size_mm.x() * size_mm.y() / kMm2PerCm2,
+      share.wall_mm2 / kMm2PerCm2);
 }
 
 double polarisation(const std::complex<double>& index, double angle_rad) {
@@ -205,7 +192,7 @@ std::string wave_note(const SceneSettings& scene) {
     return "Diffraction at features near the wavelength is not modelled; the scene has no defect "
            "that it could be estimated for.";
   }
-  const double wave_nm = scene.sensor.wavelengths_nm.front();
+  const double wave_nm = std::ranges::max(scene.sensor.wavelengths_nm);  // it spreads the most
   return fmt::format(
       "Diffraction at features near the wavelength is not modelled: it spreads what the narrowest "
       "defect ({:g} mm) reflects by about {:.2g} mrad.",

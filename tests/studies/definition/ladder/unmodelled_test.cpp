@@ -8,6 +8,7 @@
 
 #include "core/file.h"
 #include "core/units.h"
+#include "studies/definition/ladder/wall_share.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -45,6 +46,47 @@ TEST(UnmodelledNotes, TellSizes) {
   EXPECT_THAT(notes[1], HasSubstr("Polarisation"));
   // 550 nm over 0.5 mm: 1.1 mrad.
   EXPECT_THAT(notes[2], HasSubstr("narrowest defect (0.5 mm) reflects by about 1.1 mrad"));
+  // 650 nm, the longest of a colour camera's, over 0.5 mm: 1.3 mrad.
+  scene.sensor.wavelengths_nm = {450.0, 650.0, 550.0};
+  EXPECT_THAT(unmodelled_notes(scene, {100.0, 50.0, 10.0})[2], HasSubstr("by about 1.3 mrad"));
+}
+
+/// A part in the axis of a semicylinder without a slot, seen from above.
+SceneSettings strip_in_tunnel(double radius_mm, double length_mm) {
+  SceneSettings scene;
+  scene.tunnel.radius_mm = radius_mm;
+  scene.tunnel.length_mm = length_mm;
+  scene.tunnel.slot_mm = 0.0;
+  return scene;
+}
+
+// A face of area A in the axis of a long semicylinder of radius r, by angles phi around the axis
+// and x along it, with d^2 = r^2 + x^2: the integral of A (r^2 sin(phi) / (pi d^4))^2 r dphi dx is
+// A r^5 / pi^2 * pi / 2 * 5 pi / (16 r^7) = 5/32 A / r^2.
+TEST(WallShare, OfASmallFaceInTheAxisOfALongSemicylinderIsAClosedForm) {
+  const WallShare share = wall_share(strip_in_tunnel(100.0, 20000.0), {4.0, 4.0, 1.0});
+  EXPECT_NEAR(share.returned, 5.0 / 32.0 * 16.0 / 1e4, 0.01 * 2.5e-4);
+  EXPECT_NEAR(share.wall_mm2, kPi * 100.0 * 20000.0, 1e-3 * kPi * 2e6);
+  const WallShare far = wall_share(strip_in_tunnel(200.0, 20000.0), {4.0, 4.0, 1.0});
+  EXPECT_NEAR(far.returned, 0.25 * share.returned, 1e-3 * share.returned);
+}
+
+// Of a small face the far ends of a tunnel return nothing, and no face gets back more than it sent.
+TEST(WallShare, IsThatOfTheWallOppositeToThePart) {
+  const Eigen::Vector3d size_mm(20.0, 10.0, 1.0);
+  const double whole = wall_share(strip_in_tunnel(100.0, 2000.0), size_mm).returned;
+  EXPECT_NEAR(wall_share(strip_in_tunnel(100.0, 1000.0), size_mm).returned, whole, 1e-3 * whole);
+  EXPECT_LT(wall_share(strip_in_tunnel(100.0, 100.0), size_mm).returned, 0.9 * whole);
+  const double close = wall_share(strip_in_tunnel(100.0, 600.0), {500.0, 190.0, 1.0}).returned;
+  EXPECT_GT(close, 0.2);
+  EXPECT_LT(close, 1.0);
+}
+
+// 0.5 times R = 0.8 times 5/32 * 100 / 10^4: 0.0625 %.
+TEST(UnmodelledNotes, EstimateWhatTheWallThrowsBack) {
+  SceneSettings scene = strip_in_tunnel(100.0, 2000.0);
+  scene.material.reflectance = {0.8};
+  EXPECT_THAT(unmodelled_notes(scene, {10.0, 10.0, 1.0})[0], HasSubstr("about 0.06 % of the wall"));
 }
 
 TEST(UnmodelledNotes, DirectLightHasNoErrorOfPolarisation) {

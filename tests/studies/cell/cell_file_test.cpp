@@ -11,7 +11,9 @@
 namespace glint {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kRobot = R"([robot]
 model = "ur3e"
@@ -99,6 +101,27 @@ TEST(ReadCell, NamesEverySlipWithItsPlace) {
   std::string swapped = kLimits;
   swapped.replace(swapped.find("[-600, -600, 20]"), 16, "[700, -600, 20]");
   EXPECT_THAT(problem_of(kRobot + swapped + kHome), HasSubstr("must be above box_min_mm"));
+}
+
+// Both would be switched together, and pictures of one have the other's light. Without a key the
+// output is 0.
+TEST(ReadCell, TwoLightsOnOneOutputAreRefused) {
+  const auto problem = [](const std::string& lights) {
+    return problem_of(kRobot + kLimits + kHome + lights);
+  };
+  EXPECT_THAT(problem("[lights.ring]\noutput = 3\n[lights.dome]\noutput = 2\n"
+                      "[lights.bar]\nsettle_s = 1\noutput = 3\n"),
+              HasSubstr("cell.toml:23:1: lights.bar.output: is 3, as that of lights.ring"));
+  EXPECT_THAT(problem("[lights.ring]\noutput = 0\n[lights.bar]\nsettle_s = 1\n"),
+              AllOf(HasSubstr("cell.toml:19:"), HasSubstr("lights.bar.output: is 0, as that of")));
+  EXPECT_EQ(problem("[lights.ring]\noutput = 3\n[lights.bar]\noutput = 2\n"), "nothing thrown");
+  EXPECT_EQ(problem("[lights.ring]\noutput = 3\n[lights.bar]\nkind = \"manual\"\noutput = 3\n"
+                    "[lights.dome]\nkind = \"manual\"\n"),
+            "nothing thrown")
+      << "a person switches one after the other";
+  const std::string beyond = problem("[lights.ring]\noutput = 9\n[lights.bar]\noutput = 0\n");
+  EXPECT_THAT(beyond, HasSubstr("lights.ring.output: is 9"));
+  EXPECT_THAT(beyond, Not(HasSubstr("as that of"))) << "it is not output 0 for that";
 }
 
 // Questions are written to RTDE and dashboard without --move: to ports that run what they are sent

@@ -76,9 +76,9 @@ int exit_code(const Json& result) {
   return result.value("ok", true) ? kExitDone : kExitNegative;
 }
 
-Cell cell_of(const CellArguments& arguments) {
+Cell cell_of(const CellArguments& arguments, DrivenDevices driven = DrivenDevices::kRobot) {
   Cell cell = read_cell(the_word(arguments, "the cell's file"));
-  return arguments.twin.empty() ? cell : with_ports(std::move(cell), arguments.twin);
+  return arguments.twin.empty() ? cell : with_ports(std::move(cell), arguments.twin, driven);
 }
 
 std::string list_text(const Json& list) {
@@ -124,8 +124,8 @@ int list_action(const CellArguments& arguments, const CommonArguments& common) {
 }
 
 int grab_action(const CellArguments& arguments, const CommonArguments& common) {
-  const Json result =
-      grab_pictures(cell_of(arguments), {.count = arguments.count, .out = arguments.out});
+  const Json result = grab_pictures(cell_of(arguments, DrivenDevices::kCamera),
+                                    {.count = arguments.count, .out = arguments.out});
   print_result(common, result, grab_text(result));
   return result["ok"].get<bool>() ? kExitDone : kExitNegative;
 }

@@ -313,7 +313,7 @@ void add_cell_twin_options(CLI::App& cell, CellArguments& arguments) {
     cell.add_option(name, file, doc)->type_name("FILE")->check(not_empty());
   };
   add_file("--ready_file", arguments.ready_file, "twin: appears when the twins serve");
-  add_file("--twin", arguments.twin, "ports of this ready file instead of the cell's");
+  add_file("--twin", arguments.twin, "drive the twins of this ready file, and nothing else");
 }
 
 void add_cell_grab_options(CLI::App& cell, CellArguments& arguments) {

@@ -11,6 +11,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/acquire/driven_session.h"
 #include "cli/acquire/validation.h"
 #include "cli/commands.h"
 #include "cli/shell/counted.h"
@@ -171,7 +172,7 @@ AcquireArguments checked_driven(const Study& study, AcquireArguments driven) {
     driven.cell = planned_cell(study, driven);
   }
   if (!driven.cell.empty()) {
-    read_cell(driven.cell);
+    driven_cell(driven);
   }
   return driven;
 }

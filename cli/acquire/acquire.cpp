@@ -101,14 +101,14 @@ AcquireAnswer acquire_answer(const Json& result, const std::string& again) {
 }
 
 AcquireAnswer run_acquire(const AcquireArguments& arguments, bool is_silent) {
-  AcquireOptions options = driven_options(arguments);
   if (arguments.is_dry_run) {
-    const Json result = describe_acquisition(options);
+    const Json result = describe_acquisition(driven_options(arguments));
     return {.json = result,
             .text = dry_run_text(result),
             .exit_code = result["ok"] == true ? kExitDone : kExitNegative};
   }
   const MotionPermit permit = typed_permit(arguments.is_move, "acquire");
+  AcquireOptions options = driven_options(arguments);
   DrivenSession session(is_silent);
   session.attend(options);
   return acquire_answer(acquire_pictures(options, permit));

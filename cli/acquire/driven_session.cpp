@@ -4,10 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <string>
 
 #include "cli/shell/interrupts.h"
+#include "studies/cell/ready_file.h"
 
 namespace glint {
 namespace {
@@ -24,7 +26,17 @@ bool ask_person(const std::string& what) {
 
 }  // namespace
 
+Cell driven_cell(const AcquireArguments& arguments) {
+  Cell cell = read_cell(arguments.cell);
+  return arguments.twin.empty() ? cell
+                                : with_ports(std::move(cell), arguments.twin, DrivenDevices::kAll);
+}
+
 AcquireOptions driven_options(const AcquireArguments& arguments) {
+  // Before anything else is read. What has all its pictures needs no twins any more.
+  if (!arguments.twin.empty() && std::filesystem::exists(arguments.twin)) {
+    driven_cell(arguments);
+  }
   return {.source = arguments.source,
           .cell = arguments.cell,
           .out = arguments.out,

@@ -10,10 +10,16 @@
 #include "cli/acquire/acquire.h"
 #include "core/progress.h"
 #include "studies/acquire/acquire_run.h"
+#include "studies/cell/cell_file.h"
 
 namespace glint {
 
+/// The cell that the arguments name. @throws ConfigError for what is wrong with it, also where
+/// --twin names no twin of a device that it has; IoError
+Cell driven_cell(const AcquireArguments& arguments);
+
 /// What the arguments say; DrivenSession adds who is asked and told.
+/// @throws as driven_cell() where the file of --twin is there
 AcquireOptions driven_options(const AcquireArguments& arguments);
 
 class DrivenSession {

@@ -65,7 +65,8 @@ void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std:
   verb.add_flag("--move",
                 arguments.is_move,
                 when + "let the robot move: only when nobody is within reach of the arm");
-  verb.add_option("--twin", arguments.twin, when + "ports of this ready file instead of the cell's")
+  verb.add_option(
+          "--twin", arguments.twin, when + "drive the twins of this ready file, and nothing else")
       ->type_name("FILE")
       ->check(not_empty());
   verb.add_option("--speed_share", arguments.speed_share, when + "of the cell's limits of speed")

@@ -62,7 +62,7 @@ std::vector<fs::path> files_read(const Prepared& ready, const fs::path& source) 
 Prepared prepare(const AcquireOptions& options) {
   Prepared ready = {.cell = read_cell(options.cell)};
   if (!options.twin.empty()) {
-    ready.cell = with_ports(std::move(ready.cell), options.twin);
+    ready.cell = with_ports(std::move(ready.cell), options.twin, DrivenDevices::kAll);
   }
   if (!options.views.empty()) {
     ready.cell.views = options.views;

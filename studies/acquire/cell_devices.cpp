@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "core/wall_clock.h"
-#include "hardware/robot/twin_proof.h"
+#include "studies/cell/ready_file.h"
 #include "studies/cell_camera/cell_camera.h"
 
 namespace glint {
@@ -36,7 +36,7 @@ CellDevices::CellDevices(
     int positions,
     double step_mm) {
   const UrSettings& robot = robot_of(cell);
-  is_twin_ = is_proven_twin(robot.host, robot.rtde_port);
+  is_twin_ = is_robot_twin(cell);
   robot_ = std::make_unique<UrRobot>(robot, arm_with_tool(robot, cell.limits));
   outputs_ = std::make_unique<RobotOutputs>(robot.host, robot.rtde_port, *robot_, permit);
   camera_ = open_patiently(camera_of(cell));

@@ -90,6 +90,9 @@ struct Cell {
   std::vector<CellPosition> safe_positions;
   std::vector<CellPosition> views;
   CellPlanning planning;
+  /// Ready file of twins whose addresses the devices have: nothing else is driven. Empty: the
+  /// cell's own devices.
+  std::filesystem::path twins;
 };
 
 void visit_keys(KeyVisitor& keys, CellCamera& camera);

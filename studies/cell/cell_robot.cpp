@@ -15,6 +15,7 @@
 #include "hardware/robot/protocol/dashboard_text.h"
 #include "hardware/robot/twin_proof.h"
 #include "hardware/robot/ur_robot.h"
+#include "studies/cell/ready_file.h"
 
 namespace glint {
 namespace {
@@ -227,7 +228,7 @@ Json move_robot(const Cell& cell,
                 const CellMotion& motion,
                 const MotionPermit& permit) {
   const UrSettings& settings = robot_of(cell);
-  const bool is_twin = is_proven_twin(settings.host, settings.rtde_port);
+  const bool is_twin = is_robot_twin(cell);
   const ArmWithTool arm = arm_with_tool(settings, cell.limits);
   const JointVector goal_rad = joints_of(position);
   UrRobot robot(settings, arm);
@@ -254,7 +255,7 @@ Json move_robot(const Cell& cell,
 
 Json unlock_robot(const Cell& cell, const MotionPermit& permit) {
   const UrSettings& settings = robot_of(cell);
-  Json json = head_json(cell, is_proven_twin(settings.host, settings.rtde_port));
+  Json json = head_json(cell, is_robot_twin(cell));
   json["status"] = "done";
   json.update(command_all(settings, {"close safety popup", "unlock protective stop"}, permit));
   return json;
@@ -262,8 +263,8 @@ Json unlock_robot(const Cell& cell, const MotionPermit& permit) {
 
 Json power_robot(const Cell& cell, bool is_on, const MotionPermit& permit) {
   const UrSettings& settings = robot_of(cell);
+  Json json = head_json(cell, is_robot_twin(cell));
   const UrRobot robot(settings, arm_with_tool(settings, cell.limits));
-  Json json = head_json(cell, is_proven_twin(settings.host, settings.rtde_port));
   Json replies = Json::array();
   json["status"] = "done";
   json.update(result_json(change_power(robot, settings, is_on, permit, replies)));

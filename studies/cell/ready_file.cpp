@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "hardware/robot/twin_proof.h"
 
 namespace glint {
 namespace {
@@ -75,6 +76,49 @@ void take_robot(const ReadyTwin& twin, UrSettings& robot) {
   }
 }
 
+void take_camera(const ReadyTwin& twin, CellCamera& camera) {
+  camera.address = twin.address();
+}
+
+void take_stage(const ReadyTwin& twin, CellStage& stage) {
+  stage.host = twin.address();
+  stage.device.clear();
+  stage.port = twin.port("port");
+}
+
+/// A ready file, and the devices of a cell that are taken to its twins.
+class TwinsOfFile {
+ public:
+  explicit TwinsOfFile(const std::filesystem::path& file) : file_(file), ready_(read_ready(file)) {}
+
+  /// @param is_driven  else a device without a twin is left out
+  template <class Device>
+  void take(std::string_view kind,
+            bool is_driven,
+            void (*take_device)(const ReadyTwin&, Device&),
+            std::optional<Device>& device) const {
+    if (!device) {
+      return;
+    }
+    const Json* twin = twin_of_kind(ready_, kind);
+    if (twin != nullptr) {
+      take_device({file_, *twin}, *device);
+    } else if (is_driven) {
+      throw ConfigError(
+          fmt::format("{}: has no twin of the cell's {}; with --twin nothing but twins is driven: "
+                      "glint cell twin both serves robot, camera and linear stage",
+                      file_.string(),
+                      kind));
+    } else {
+      device.reset();
+    }
+  }
+
+ private:
+  const std::filesystem::path& file_;
+  Json ready_;
+};
+
 }  // namespace
 
 Json read_ready(const std::filesystem::path& file) {
@@ -100,23 +144,36 @@ std::filesystem::path side_channel_in(const std::filesystem::path& file, const J
   return ReadyTwin(file, twin).text("side_channel");
 }
 
-Cell with_ports(Cell cell, const std::filesystem::path& ready_file) {
-  const Json ready = read_ready(ready_file);
-  const Json* robot = twin_of_kind(ready, "robot");
-  if (cell.robot && robot != nullptr) {
-    take_robot({ready_file, *robot}, *cell.robot);
+Cell with_ports(Cell cell, const std::filesystem::path& ready_file, DrivenDevices driven) {
+  const TwinsOfFile twins(ready_file);
+  const bool is_all = driven == DrivenDevices::kAll;
+  twins.take("robot", is_all || driven == DrivenDevices::kRobot, take_robot, cell.robot);
+  twins.take("camera", is_all || driven == DrivenDevices::kCamera, take_camera, cell.camera);
+  if (cell.stage && cell.stage->kind == CellStage::Kind::kGrbl) {  // the others move nothing
+    twins.take("stage", is_all, take_stage, cell.stage);
   }
-  const Json* camera = twin_of_kind(ready, "camera");
-  if (cell.camera && camera != nullptr) {
-    cell.camera->address = ReadyTwin(ready_file, *camera).address();
-  }
-  const Json* stage = twin_of_kind(ready, "stage");
-  if (cell.stage && stage != nullptr) {
-    cell.stage->host = ReadyTwin(ready_file, *stage).address();
-    cell.stage->device.clear();
-    cell.stage->port = ReadyTwin(ready_file, *stage).port("port");
-  }
+  cell.twins = ready_file;
   return cell;
+}
+
+bool is_robot_twin(const Cell& cell) {
+  constexpr int kTries = 3;  // of a twin on a busy machine, whose proof may be late
+  const UrSettings& robot = robot_of(cell);
+  const bool must_be_twin = !cell.twins.empty();
+  for (int i = 0; i < (must_be_twin ? kTries : 1); ++i) {
+    if (is_proven_twin(robot.host, robot.rtde_port)) {
+      return true;
+    }
+  }
+  if (must_be_twin) {
+    throw IoError(fmt::format(
+        "{}: what is at {}:{} does not prove that it is a twin of yours; with --twin nothing else "
+        "is driven, and nothing was sent to it that moves or changes it",
+        cell.twins.string(),
+        robot.host,
+        robot.rtde_port));
+  }
+  return false;
 }
 
 }  // namespace glint

@@ -25,9 +25,19 @@ const nlohmann::ordered_json* twin_of_kind(const nlohmann::ordered_json& ready,
 std::filesystem::path side_channel_in(const std::filesystem::path& file,
                                       const nlohmann::ordered_json& twin);
 
-/// A cell whose ports, and addresses of camera and stage, are those of a ready file.
-/// @throws ConfigError for ports that wrong_port() names, and for addresses that are not of
-///         127.0.0.0/8, which twins alone serve: such a file leads to something else; IoError
-Cell with_ports(Cell cell, const std::filesystem::path& ready_file);
+/// Which devices of a cell a verb drives.
+enum class DrivenDevices { kRobot, kCamera, kAll };
+
+/// A cell of nothing but twins: ports of its robot, addresses of its camera and linear stage are
+/// those of a ready file. What has no twin there and is not driven is left out of the cell.
+/// @throws ConfigError for what is driven and has no twin, for ports that wrong_port() names, and
+///         for addresses that are not of 127.0.0.0/8, which twins alone serve: such a file leads
+///         to something else; IoError
+Cell with_ports(Cell cell, const std::filesystem::path& ready_file, DrivenDevices driven);
+
+/// Whether the robot of the cell proves that it is a twin (twin_proof.h).
+/// @throws IoError when it does not and the cell is one of twins: nothing else is driven then;
+///         ConfigError when the cell has no robot
+bool is_robot_twin(const Cell& cell);
 
 }  // namespace glint

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `glint cell`: what must not be sent, and the twin of a robot from beginning to end.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <regex>
 #include <set>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -101,6 +103,16 @@ std::string study_in_cell() {
   return edited(kValidatedStudy, {{"[cell.base", "[cell]\nfile = \"cell.toml\"\n[cell.base"}});
 }
 
+/// The rows with these words behind each.
+std::vector<Arguments> moving_calls(const Arguments& more) {
+  std::vector<Arguments> calls;
+  for (const MovingVerb& verb : kMovingVerbs) {
+    calls.push_back(verb.arguments);
+    calls.back().insert(calls.back().end(), more.begin(), more.end());
+  }
+  return calls;
+}
+
 TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
   const TemporaryFolder folder;
   const CountingPeer rtde;
@@ -111,11 +123,7 @@ TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
              cell_text(rtde.port(), primary.port(), secondary.port(), dashboard.port()));
   write_file(folder / "study.toml", kValidatedStudy);
   write_file(folder / "in_cell.toml", study_in_cell());
-  std::vector<Arguments> calls;
-  for (const MovingVerb& verb : kMovingVerbs) {
-    calls.push_back(verb.arguments);
-  }
-  const std::vector<ProgramResult> results = glint_at_once(folder, calls);
+  const std::vector<ProgramResult> results = glint_at_once(folder, moving_calls({}));
   for (std::size_t i = 0; i < results.size(); ++i) {
     const MovingVerb& verb = kMovingVerbs[i];
     EXPECT_EQ(results[i].code, verb.code)
@@ -131,6 +139,60 @@ TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
   for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
     EXPECT_EQ(peer->connections(), 0);
     EXPECT_EQ(peer->bytes(), 0);
+  }
+}
+
+// The ready file is of a camera alone: the robot that is left is the cell's own.
+TEST(CellSafety, WithTwinTheCellsOwnRobotIsNotEvenCalled) {
+  const TemporaryFolder folder;
+  const CountingPeer rtde;
+  const CountingPeer primary;
+  const CountingPeer secondary;
+  const CountingPeer dashboard;
+  write_file(folder / "cell.toml",
+             cell_text(rtde.port(), primary.port(), secondary.port(), dashboard.port()));
+  write_file(folder / "study.toml", kValidatedStudy);
+  write_file(folder / "in_cell.toml", study_in_cell());
+  write_file(folder / "twin.json",
+             R"({"pid": 1, "twins": [{"kind": "camera", "address": "127.0.0.5"}]})");
+  const Arguments with_twin = {"--twin", "twin.json", "--move"};
+  std::vector<Arguments> calls = moving_calls(with_twin);
+  calls.push_back({"cell", "status", "cell.toml", "--twin", "twin.json"});
+  calls.push_back({"cell", "watch", "cell.toml", "--twin", "twin.json"});
+  const std::vector<ProgramResult> results = glint_at_once(folder, calls);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    EXPECT_EQ(results[i].code, 2) << calls[i][0] << ' ' << calls[i][1] << results[i].err;
+    if (std::ranges::find(calls[i], "cell.toml") != calls[i].end()) {
+      EXPECT_THAT(results[i].err, HasSubstr("twin.json: has no twin of the cell's robot"));
+    }
+  }
+  for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
+    EXPECT_EQ(peer->connections(), 0);
+  }
+}
+
+// As a ready file of twins that have ended, whose ports a robot has now.
+TEST(CellSafety, WithTwinWhatDoesNotProveToBeOneIsNotDriven) {
+  const TemporaryFolder folder;
+  const CountingPeer rtde;
+  const CountingPeer primary;
+  const CountingPeer dashboard;
+  write_file(folder / "cell.toml", cell_text(30004, 30001, 30002, 29999));
+  write_file(folder / "twin.json",
+             fmt::format(R"({{"pid": 1, "twins": [{{"kind": "robot", "address": "127.0.0.1",
+"rtde_port": {}, "primary_port": {}, "secondary_port": {}, "dashboard_port": {}}}]}})",
+                         rtde.port(),
+                         primary.port(),
+                         primary.port(),
+                         dashboard.port()));
+  std::vector<Arguments> calls = moving_calls({"--twin", "twin.json", "--move"});
+  std::erase_if(calls, [](const Arguments& call) { return call[0] != "cell"; });
+  for (const ProgramResult& result : glint_at_once(folder, calls)) {
+    EXPECT_EQ(result.code, 3) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("does not prove that it is a twin"));
+  }
+  for (const CountingPeer* peer : {&rtde, &primary, &dashboard}) {
+    EXPECT_EQ(peer->connections(), 0);
   }
 }
 

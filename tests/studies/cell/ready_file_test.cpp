@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/cell/ready_file.h"
 
+#include <map>
 #include <string>
+#include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/file.h"
+#include "tests/support/loopback_listener.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -21,14 +25,14 @@ const std::string kReadyTwins = R"({"pid": 7, "twins": [
 {"kind": "stage", "address": "127.0.0.1", "port": 40005}]})";
 
 /// A robot, a camera and a stage elsewhere, taken to the twins of a ready file.
-Cell cell_with_twins(const std::string& ready) {
+Cell cell_with_twins(const std::string& ready, DrivenDevices driven = DrivenDevices::kAll) {
   const TemporaryFolder folder;
   write_file(folder / "twins.json", ready);
   Cell cell;
   cell.robot.emplace().host = "192.168.0.10";
   cell.camera.emplace().address = "192.168.0.11";
   cell.stage.emplace();
-  return with_ports(cell, folder / "twins.json");
+  return with_ports(cell, folder / "twins.json", driven);
 }
 
 /// What is wrong with the ready file where one text is another.
@@ -48,6 +52,79 @@ TEST(ReadyFile, TakesACellToItsTwins) {
   EXPECT_EQ(cell.camera->address, "127.0.0.5");
   EXPECT_EQ(cell.stage->host, "127.0.0.1");
   EXPECT_EQ(cell.stage->port, 40005);
+}
+
+/// Twins of these kinds alone.
+std::string ready_with(const std::vector<std::string>& kinds) {
+  const std::map<std::string, std::string> twins = {
+      {"robot",
+       R"({"kind": "robot", "address": "127.0.0.1", "rtde_port": 40004, "primary_port": 40001,
+           "secondary_port": 40002, "dashboard_port": 40003})"},
+      {"camera", R"({"kind": "camera", "address": "127.0.0.5"})"},
+      {"stage", R"({"kind": "stage", "address": "127.0.0.1", "port": 40005})"}};
+  std::string list;
+  for (const std::string& kind : kinds) {
+    list += (list.empty() ? "" : ", ") + twins.at(kind);
+  }
+  return R"({"pid": 7, "twins": [)" + list + "]}";
+}
+
+// The cell's own would be driven in its place.
+TEST(ReadyFile, WithoutATwinOfWhatIsDrivenIsRefused) {
+  struct Case {
+    std::vector<std::string> there;
+    DrivenDevices driven;
+    const char* missing;  ///< empty: nothing
+  };
+
+  const Case cases[] = {{{"camera", "stage"}, DrivenDevices::kRobot, "robot"},
+                        {{"robot"}, DrivenDevices::kRobot, ""},
+                        {{"robot", "stage"}, DrivenDevices::kCamera, "camera"},
+                        {{"camera"}, DrivenDevices::kCamera, ""},
+                        {{"camera", "stage"}, DrivenDevices::kAll, "robot"},
+                        {{"robot", "stage"}, DrivenDevices::kAll, "camera"},
+                        {{"robot", "camera"}, DrivenDevices::kAll, "stage"},
+                        {{"robot", "camera", "stage"}, DrivenDevices::kAll, ""}};
+  for (const Case& one : cases) {
+    const std::string ready = ready_with(one.there);
+    const std::string missing = one.missing;
+    const std::string problem =
+        text_thrown_by<ConfigError>([&] { cell_with_twins(ready, one.driven); });
+    EXPECT_THAT(problem,
+                HasSubstr(missing.empty() ? "nothing thrown"
+                                          : "twins.json: has no twin of the cell's " + missing))
+        << ready;
+  }
+}
+
+TEST(ReadyFile, LeavesOutWhatHasNoTwinAndIsNotDriven) {
+  const Cell grabbed = cell_with_twins(ready_with({"camera"}), DrivenDevices::kCamera);
+  EXPECT_FALSE(grabbed.robot.has_value());
+  EXPECT_FALSE(grabbed.stage.has_value());
+  EXPECT_EQ(grabbed.camera->address, "127.0.0.5");
+  const Cell moved = cell_with_twins(ready_with({"robot"}), DrivenDevices::kRobot);
+  EXPECT_FALSE(moved.camera.has_value());
+  EXPECT_EQ(moved.robot->host, "127.0.0.1");
+}
+
+// A program shows pictures: it moves nothing, and has no twin.
+TEST(ReadyFile, LeavesAStageThatShowsPicturesAsItIs) {
+  const TemporaryFolder folder;
+  write_file(folder / "twins.json", ready_with({"robot", "camera"}));
+  Cell cell;
+  cell.stage.emplace().kind = CellStage::Kind::kFolder;
+  EXPECT_TRUE(with_ports(cell, folder / "twins.json", DrivenDevices::kAll).stage.has_value());
+}
+
+// Nobody listens there, and if somebody did, nothing would prove that it is a twin.
+TEST(ReadyFile, OfTwinsThatHaveEndedLeadsToNothingThatIsDriven) {
+  const LoopbackListener taken;
+  Cell cell = cell_with_twins(ready_with({"robot"}), DrivenDevices::kRobot);
+  cell.robot->rtde_port = taken.port();
+  EXPECT_THAT(text_thrown_by<IoError>([&] { is_robot_twin(cell); }),
+              HasSubstr(fmt::format("127.0.0.1:{} does not prove", taken.port())));
+  cell.twins.clear();
+  EXPECT_FALSE(is_robot_twin(cell)) << "without --twin it is a robot like any other";
 }
 
 // No twin is there: the file would lead to a robot, by names or numbers.

@@ -2,6 +2,7 @@
 #include "hardware/robot/rtde_client.h"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -24,6 +25,16 @@ RtdeKind expected_kind(int step) {
 void demand(std::string_view payload, const char* refusal) {
   if (!parse_flag(payload)) {
     throw ProtocolError(fmt::format("RTDE: {}", refusal));
+  }
+}
+
+/// Values of another type would be read, or written, as other numbers.
+/// @param known  by the controllers' table; none: the name is not in it
+/// @throws ProtocolError  the controller gives the name another type
+void check_type(const std::string& name, RtdeType type, std::optional<RtdeType> known) {
+  if (known && type != *known) {
+    throw ProtocolError(
+        fmt::format("RTDE: {} is {}, must be {}", name, name_of(type), name_of(*known)));
   }
 }
 
@@ -129,10 +140,8 @@ void RtdeClient::take_outputs(std::string_view payload) {
     if (!type && i < request_.outputs.size()) {
       throw ProtocolError(fmt::format("RTDE: the controller does not know {}", recipe_.names[i]));
     }
-    const auto known = output_type(recipe_.names[i]);
-    if (type && known && *type != *known) {
-      throw ProtocolError(fmt::format(
-          "RTDE: {} is {}, must be {}", recipe_.names[i], name_of(*type), name_of(*known)));
+    if (type) {
+      check_type(recipe_.names[i], *type, output_type(recipe_.names[i]));
     }
     is_complete = is_complete && type.has_value();
     recipe_.types.push_back(type.value_or(RtdeType::kDouble));
@@ -152,13 +161,20 @@ void RtdeClient::take_outputs(std::string_view payload) {
 
 void RtdeClient::take_inputs(std::string_view payload) {
   const RecipeReply reply = parse_recipe_reply(payload);
+  if (reply.types.size() != request_.inputs.size()) {
+    throw ProtocolError(fmt::format(
+        "RTDE: types of {} inputs, asked was for {}", reply.types.size(), request_.inputs.size()));
+  }
   for (std::size_t i = 0; i < reply.types.size(); ++i) {
-    if (!rtde_type(reply.types[i])) {
+    const std::string& name = request_.inputs[i];
+    const auto type = rtde_type(reply.types[i]);
+    if (!type) {
       throw ProtocolError(
           fmt::format("RTDE: input {}: {}",
-                      i < request_.inputs.size() ? request_.inputs[i] : "?",
+                      name,
                       reply.types[i] == "IN_USE" ? "is held by another client" : "is not known"));
     }
+    check_type(name, *type, input_type(name));
   }
   input_recipe_ = reply.id;
   output_ += start_request();

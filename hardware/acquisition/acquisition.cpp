@@ -171,12 +171,13 @@ class Acquisition {
     }
   }
 
-  /// Between two looks at the arm.
+  /// Between two looks at the arm and at the lights.
   void take_picture(TakenPicture& picture) {
     picture.pose = guide_.still_at_point(options_.still_timeout_s);
     check_lights();
     picture.frame = complete_frame();
     guide_.check_still(picture.pose);
+    check_lights();
   }
 
   Frame complete_frame() {
@@ -283,10 +284,10 @@ class Acquisition {
       const Light& light = *devices_.lamps[i].light;
       const bool is_on = of_device(AcquisitionCause::kLight, [&light] { return light.is_on(); });
       if (lamp_states_[i] != is_on) {
-        throw Failure{
-            .cause = AcquisitionCause::kLight,
-            .text = fmt::format(
-                "light {} was {} when a picture was due", light.name(), is_on ? "on" : "off")};
+        throw Failure{.cause = AcquisitionCause::kLight,
+                      .text = fmt::format("light {} was {} when a picture was due or taken",
+                                          light.name(),
+                                          is_on ? "on" : "off")};
       }
     }
   }

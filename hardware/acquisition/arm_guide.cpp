@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/acquisition/arm_guide.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "core/error.h"
@@ -35,6 +37,12 @@ RobotState ArmGuide::fresh_state() const {
   }
   if (!allows_motion(state->safety_mode)) {
     throw ArmFailure{.text = fmt::format("safety mode {}", name_of(state->safety_mode))};
+  }
+  if (state->robot_mode != RobotMode::kRunning) {
+    throw ArmFailure{.text = fmt::format("robot mode {}", name_of(state->robot_mode))};
+  }
+  if (state->is_guided()) {
+    throw ArmFailure{.text = "the teach button is pressed: somebody guides the arm by hand"};
   }
   return *state;
 }
@@ -119,13 +127,19 @@ void ArmGuide::back_out() {
 
 StillPose ArmGuide::still(double timeout_s) {
   const auto pose = robot_.still_pose(timeout_s);
-  if (!pose) {
-    fresh_state();
-    throw ArmFailure{.text = fmt::format("the arm does not stand still within {:.0f} s, or the "
-                                         "pendant's TCP is no longer the cell's",
-                                         timeout_s)};
+  if (pose) {
+    return *pose;
   }
-  return *pose;
+  const RobotState state = fresh_state();
+  if (const auto stop = robot_.halted()) {
+    throw ArmFailure{.text = outcome_text(*stop)};
+  }
+  const std::string problem = readiness_problem(state);
+  throw ArmFailure{.text = fmt::format("the arm does not stand still within {:.0f} s{}",
+                                       timeout_s,
+                                       problem.empty()
+                                           ? ", or the pendant's TCP is no longer the cell's"
+                                           : ": " + problem)};
 }
 
 StillPose ArmGuide::still_at_point(double timeout_s) {
@@ -148,6 +162,9 @@ void ArmGuide::check_still(const StillPose& pose) const {
   }
   if (!((state.actual_q_rad - pose.joints_rad).array().abs() <= kMovedRad).all()) {
     throw ArmFailure{.text = "the arm moved while a picture was taken"};
+  }
+  if (std::string problem = readiness_problem(state); !problem.empty()) {
+    throw ArmFailure{.text = std::move(problem)};
   }
 }
 

@@ -48,7 +48,8 @@ class ArmGuide {
   /// @throws ArmFailure when the arm does not come to rest, or rests elsewhere
   StillPose still_at_point(double timeout_s);
 
-  /// @throws ArmFailure when it has moved from that pose, or was stopped, if only for a moment
+  /// @throws ArmFailure when it has moved from that pose, or was stopped, if only for a moment, or
+  ///         is not ready any more: without power, guided by hand, by another program
   void check_still(const StillPose& pose) const;
 
   /// For people.

@@ -140,9 +140,7 @@ std::string tcp_difference(const RobotState& state,
                      left.tail<3>().norm() * kDegPerRad);
 }
 
-std::string motion_refusal(const RobotState& state,
-                           const ArmWithTool& arm,
-                           const UrSettings& settings) {
+std::string readiness_problem(const RobotState& state) {
   if (!allows_motion(state.safety_mode)) {
     return fmt::format("the robot is stopped: safety mode {}", name_of(state.safety_mode));
   }
@@ -155,8 +153,14 @@ std::string motion_refusal(const RobotState& state,
   if (state.is_program_running()) {
     return fmt::format("another program runs on the controller: {}", name_of(state.runtime_state));
   }
-  if (!state.is_pose_known()) {
-    return "the robot's pose is unknown";
+  return state.is_pose_known() ? "" : "the robot's pose is unknown";
+}
+
+std::string motion_refusal(const RobotState& state,
+                           const ArmWithTool& arm,
+                           const UrSettings& settings) {
+  if (std::string text = readiness_problem(state); !text.empty()) {
+    return text;
   }
   if (std::string text = tcp_difference(state, arm, settings); !text.empty()) {
     return text;

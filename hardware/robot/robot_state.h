@@ -54,9 +54,13 @@ std::vector<std::string> newer_outputs();
 /// The newest package as a state. @param client  is streaming
 RobotState state_of(const RtdeClient& client, int ack_register);
 
-/// Why the arm must not be moved in this state: not running, stopped by safety, guided by hand,
-/// another program runs, the pendant's TCP or payload differ from the cell's; empty: nothing speaks
-/// against it.
+/// Why neither a motion can begin in this state nor a standstill be relied on: stopped by safety,
+/// not running, guided by hand, a program runs, joints or pose are no numbers; empty: nothing
+/// speaks against it.
+std::string readiness_problem(const RobotState& state);
+
+/// Why the arm must not be moved in this state: readiness_problem(), or the pendant's TCP or
+/// payload differ from the cell's; empty: nothing speaks against it.
 std::string motion_refusal(const RobotState& state,
                            const ArmWithTool& arm,
                            const UrSettings& settings);

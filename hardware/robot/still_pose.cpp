@@ -10,9 +10,9 @@ void StillPoseRule::restart() {
 void StillPoseRule::add(const RobotState& state) {
   const bool is_new = packages_ == 0 || state.timestamp_s > last_s_;
   const bool is_still =
-      state.is_pose_known() && (state.actual_qd_rad_s.array().abs() < kSpeedRadS).all() &&
-      ((state.actual_q_rad - state.target_q_rad).array().abs() < kTargetRad).all() &&
-      allows_motion(state.safety_mode) && !state.is_program_running();
+      readiness_problem(state).empty() &&
+      (state.actual_qd_rad_s.array().abs() < kSpeedRadS).all() &&
+      ((state.actual_q_rad - state.target_q_rad).array().abs() < kTargetRad).all();
   if (!is_new || !is_still) {
     restart();
     return;

@@ -18,7 +18,8 @@ struct StillPose {
 };
 
 /// No joint faster than 1e-3 rad/s for 100 ms, and each within 1e-4 rad of its target; a package
-/// that breaks this, or a program that runs, begins anew.
+/// that breaks this, or has a readiness_problem(), begins anew: an arm without power or with a hand
+/// at it stands nowhere that could be relied on.
 class StillPoseRule {
  public:
   static constexpr int kMinPackages = 25;

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -313,6 +314,48 @@ TEST(Acquire, APictureDuringAStopDoesNotCountThoughItWasReset) {
   EXPECT_EQ(result.text, "protective_stop: safety mode");
   EXPECT_EQ(result.end, AcquisitionEnd::kStopped);
   EXPECT_EQ(bench.cell.motions, 2) << "the way to the first view alone";
+}
+
+// The arm stands where it stood, and nothing has stopped it.
+TEST(Acquire, APictureDuringWhichTheControllerIsNotReadyDoesNotCount) {
+  const std::pair<std::function<void(RobotState&)>, const char*> cases[] = {
+      {[](RobotState& state) { state.robot_mode = RobotMode::kPowerOff; }, "robot mode POWER_OFF"},
+      {[](RobotState& state) { state.robot_status_bits = kStatusTeachButton; }, "teach button"},
+      {[](RobotState& state) { state.runtime_state = RuntimeState::kPlaying; },
+       "another program runs"},
+      {[](RobotState& state) { state.safety_mode = SafetyMode::kFault; }, "safety mode FAULT"}};
+  for (const auto& [told, says] : cases) {
+    Bench bench(1);
+    bench.cell.during_exposure = [&bench, &told = told] { bench.cell.told = told; };
+    const AcquisitionResult result = bench.run();
+    EXPECT_EQ(result.accepted, 0) << says;
+    EXPECT_EQ(result.cause, AcquisitionCause::kRobot);
+    EXPECT_THAT(result.text, HasSubstr(says));
+    EXPECT_EQ(result.end, AcquisitionEnd::kStopped);
+    EXPECT_EQ(bench.cell.motions, 2) << "the way to the first view alone";
+  }
+}
+
+// Somebody's program, or a hand.
+TEST(Acquire, APictureDuringWhichALightWasSwitchedDoesNotCount) {
+  Bench bench(1);
+  bench.cell.during_exposure = [&bench] { bench.cell.on.insert("bar"); };
+  const AcquisitionResult result = bench.run();
+  EXPECT_EQ(result.accepted, 0);
+  EXPECT_EQ(result.rejected, 0);
+  EXPECT_EQ(result.cause, AcquisitionCause::kLight);
+  EXPECT_THAT(result.text, HasSubstr("light bar was on"));
+  EXPECT_EQ(result.end, AcquisitionEnd::kBackedOut);
+}
+
+// Nothing is waited for that does not come by itself.
+TEST(Acquire, TellsWhyAnArmIsNotMovedAtTheBeginning) {
+  Bench bench(1);
+  bench.cell.told = [](RobotState& state) { state.robot_mode = RobotMode::kIdle; };
+  const AcquisitionResult result = bench.run();
+  EXPECT_EQ(result.cause, AcquisitionCause::kRobot);
+  EXPECT_EQ(result.text, "robot mode IDLE");
+  EXPECT_EQ(bench.cell.motions, 0);
 }
 
 TEST(Acquire, DoesNotMoveBackInAReducedSafetyMode) {

@@ -90,6 +90,8 @@ class FakeCell {
   int motions = 0;
   std::optional<MotionResult> halted = {};     ///< a stop, which may have been reset
   std::function<void()> during_exposure = {};  ///< of each picture
+  std::function<void(RobotState&)> told = [](RobotState&) {
+  };  ///< what the controller tells besides
   std::set<std::string> on;
   int stage_position = -1;
   std::vector<std::string> events;  ///< "move", "light ring on", "stage 2", "picture"
@@ -108,6 +110,7 @@ class FakeRobot final : public Robot {
     state.safety_mode = cell_.safety;
     state.robot_mode = RobotMode::kRunning;
     state.base_from_tcp.translation() = cell_.joints_.head<3>();
+    cell_.told(state);
     return state;
   }
 
@@ -140,10 +143,7 @@ class FakeRobot final : public Robot {
     if (cell_.is_silent || !allows_motion(cell_.safety)) {
       return std::nullopt;
     }
-    StillPose pose;
-    pose.joints_rad = cell_.joints_;
-    pose.packages = 25;
-    return pose;
+    return StillPose{.joints_rad = cell_.joints_, .packages = 25};
   }
 
  private:

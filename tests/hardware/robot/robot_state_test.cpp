@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/robot/robot_state.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -55,6 +57,15 @@ TEST(MotionRefusal, NamesWhatSpeaksAgainstMotion) {
       {[](RobotState& s) { s.tcp_offset->translation().x() += 0.2; }, "0.20 mm"},
       {[](RobotState& s) { s.payload_kg = 0.7; }, "0.700 kg"},
       {[](RobotState& s) { s.payload_cog_mm->z() = 45.0; }, "5.0 mm"},
+      {[](RobotState& s) { s.tcp_offset->translation().z() = std::nan(""); }, "nan mm"},
+      {[](RobotState& s) { s.tcp_offset->linear()(1, 1) = std::nan(""); }, "nan degrees"},
+      {[](RobotState& s) { s.payload_kg = std::nan(""); }, "nan kg"},
+      {[](RobotState& s) { s.payload_cog_mm->y() = std::nan(""); }, "nan mm"},
+      {[](RobotState& s) { s.safety_mode = SafetyMode::kRecovery; }, "RECOVERY"},
+      {[](RobotState& s) { s.safety_mode = SafetyMode::kViolation; }, "VIOLATION"},
+      {[](RobotState& s) { s.safety_mode = SafetyMode::kFault; }, "FAULT"},
+      {[](RobotState& s) { s.robot_mode = RobotMode::kPowerOff; }, "POWER_OFF"},
+      {[](RobotState& s) { s.robot_mode = RobotMode::kBooting; }, "BOOTING"},
       {[](RobotState& s) { s.payload_kg.reset(); }, "does not tell its payload"},
       {[](RobotState& s) { s.actual_q_rad[2] = std::nan(""); }, "unknown"}};
   for (const Case& one : cases) {
@@ -62,6 +73,12 @@ TEST(MotionRefusal, NamesWhatSpeaksAgainstMotion) {
     one.change(bench.state);
     EXPECT_THAT(bench.refusal(), HasSubstr(one.says));
   }
+}
+
+TEST(MotionRefusal, IsEmptyInReducedMode) {
+  Bench bench;
+  bench.state.safety_mode = SafetyMode::kReduced;
+  EXPECT_EQ(bench.refusal(), "");
 }
 
 // Without tcp_offset the controller's TCP is known by its pose alone.

@@ -72,6 +72,9 @@ TEST(StillPoseRule, BeginsAnewWhenSomethingMovesOrStampsStandStill) {
       [](RobotState& state) { state.actual_q_rad[0] += 2e-4; },
       [](RobotState& state) { state.safety_mode = SafetyMode::kProtectiveStop; },
       [](RobotState& state) { state.runtime_state = RuntimeState::kPlaying; },
+      [](RobotState& state) { state.robot_mode = RobotMode::kPowerOff; },
+      [](RobotState& state) { state.robot_mode = RobotMode::kIdle; },
+      [](RobotState& state) { state.robot_status_bits = kStatusTeachButton; },
       [](RobotState& state) { state.timestamp_s = 0.0; }};
   for (const Change change : changes) {
     StillPoseRule rule;

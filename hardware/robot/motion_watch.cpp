@@ -24,6 +24,24 @@ constexpr double kFirstS = 0.4;  ///< and writes it first within this time
 /// The register changes every 20 ms: of packages that are further apart each may hold the same.
 constexpr double kMaxPeriodS = 0.019;
 
+/// How fast a motion is waited for, of its own speed. What is no number is the slowest.
+double awaited_pace(double speed_scaling) {
+  return speed_scaling >= kSlowestScaling ? std::min(speed_scaling, 1.0) : kSlowestScaling;
+}
+
+/// Why an arm has not arrived in time, as far as a state tells it.
+std::string late_text(const RobotState& state) {
+  std::string text = "the arm did not arrive in time";
+  if (state.runtime_state != RuntimeState::kPlaying) {
+    text += fmt::format("; program {}", name_of(state.runtime_state));
+  }
+  const double pace = state.speed_scaling * state.slider.value_or(1.0);
+  if (!(pace >= kSlowestScaling)) {
+    text += fmt::format("; it goes at {:.0f} % of its speed", 100.0 * pace);
+  }
+  return text;
+}
+
 /// How far a point is from the segment between two others: its largest component.
 double off_segment(const auto& from, const auto& to, const auto& at) {
   const auto way = (to - from).eval();
@@ -75,8 +93,7 @@ MotionWatch::MotionWatch(const CheckedMotion& motion,
       arm_(arm),
       settings_(settings),
       begin_by_s_(now_s + kBeginTimeoutS),
-      longest_s_(kBeginTimeoutS + 1.0 +
-                 1.5 * motion.duration_s / std::clamp(speed_scaling, kSlowestScaling, 1.0)) {}
+      longest_s_(kBeginTimeoutS + 1.0 + 1.5 * motion.duration_s / awaited_pace(speed_scaling)) {}
 
 void MotionWatch::end(MotionOutcome outcome, std::string text, bool must_stop) {
   if (!result_) {
@@ -104,7 +121,7 @@ void MotionWatch::on_package(const RobotState& state, double now_s) {
     look_at_program(state, now_s);
   }
   if (state.timestamp_s > *end_by_stamp_) {
-    end(MotionOutcome::kTimeout, "the arm did not arrive in time", true);
+    end(MotionOutcome::kTimeout, late_text(state), true);
   }
 }
 

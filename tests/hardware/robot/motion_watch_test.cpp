@@ -3,6 +3,8 @@
 // What one package of a controller does to a motion that goes on.
 #include "hardware/robot/motion_watch.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -153,6 +155,38 @@ TEST(MotionWatch, GoesOnAfterAnExceptionWhenTheMotionBegins) {
     motion.watch.on_package(motion.package(stamp_s, 100.0), stamp_s);
     EXPECT_FALSE(motion.watch.result().has_value());
   }
+}
+
+/// How a motion ends of which no end comes, begun at this speed scaling; what the package tells
+/// that is the last.
+MotionResult end_of_endless(double speed_scaling, RuntimeState runtime, double last_scaling) {
+  WatchedMotion motion;
+  MotionWatch watch(check_joint_motion(motion.arm, test_start_rad(), motion.goal_rad, 1.0),
+                    motion.ack,
+                    motion.arm,
+                    motion.settings,
+                    speed_scaling,
+                    0.0);
+  watch.on_package(motion.package(0.1, 0.0), 0.1);
+  RobotState late = motion.package(1000.0, 0.0);
+  late.runtime_state = runtime;
+  late.speed_scaling = last_scaling;
+  watch.on_package(late, 0.2);
+  EXPECT_TRUE(watch.must_stop());
+  return watch.result().value_or(MotionResult{});
+}
+
+// Half a radian takes some 2 s, 20 times as long at the slowest.
+TEST(MotionWatch, WaitsForNoMotionWithoutEndAndTellsWhatHoldsItUp) {
+  for (const double scaling : {1.0, 0.0, -1.0, std::nan("")}) {
+    const MotionResult result = end_of_endless(scaling, RuntimeState::kPlaying, 1.0);
+    EXPECT_EQ(result.outcome, MotionOutcome::kTimeout) << scaling;
+    EXPECT_EQ(result.text, "the arm did not arrive in time");
+  }
+  EXPECT_THAT(end_of_endless(1.0, RuntimeState::kPaused, 1.0).text,
+              HasSubstr("in time; program PAUSED"));
+  EXPECT_THAT(end_of_endless(1.0, RuntimeState::kPlaying, 0.0).text,
+              HasSubstr("it goes at 0 % of its speed"));
 }
 
 TEST(MotionWatch, StopsAnArmThatLeavesItsWay) {

@@ -187,7 +187,7 @@ int safe_action(const CellArguments& arguments, const CommonArguments& common) {
 int unlock_action(const CellArguments& arguments, const CommonArguments& common) {
   const MotionPermit permit = permit_of(arguments);
   const Json result = unlock_robot(cell_of(arguments), permit);
-  print_result(common, result, replies_text(result));
+  print_result(common, result, replies_text(result) + move_text(result));
   return exit_code(result);
 }
 

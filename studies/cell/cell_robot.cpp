@@ -25,6 +25,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kDashboardS = 2.0;
 constexpr double kStillS = 3.0;
 constexpr double kPowerS = 30.0;
+constexpr double kOldS = 1.0;  ///< of a state that tells nothing of now
 
 Json numbers(const auto& vector, double factor) {
   Json list = Json::array();
@@ -114,7 +115,6 @@ Json command_all(const UrSettings& settings,
 /// @return done, or why it has not come
 MotionResult wait_for(const UrRobot& robot, bool is_on, std::initializer_list<RobotMode> wanted) {
   using enum MotionOutcome;
-  constexpr double kOldS = 1.0;
   const auto start = std::chrono::steady_clock::now();
   while (seconds_since(start) < kPowerS) {
     const auto halted = robot.halted();
@@ -160,16 +160,55 @@ MotionResult change_power(const UrRobot& robot,
              : result;
 }
 
-/// What an arm that has arrived says of its standstill, or what has stopped it there.
-Json standstill_json(UrRobot& robot) {
+/// What an arm that has arrived says of its standstill, or why nothing can be said of it.
+Json standstill_json(UrRobot& robot, const ArmWithTool& arm, const UrSettings& settings) {
   if (const auto pose = robot.still_pose(kStillS)) {
     return {{"still", still_json(*pose)}};
   }
-  const auto halted = robot.halted();
-  Json json = halted ? result_json(*halted)
-                     : Json{{"ok", false}, {"text", "the arm arrived, but does not stand still"}};
+  MotionResult result = {.outcome = MotionOutcome::kTimeout,
+                         .text = "the arm arrived, but does not stand still"};
+  if (const auto halted = robot.halted()) {
+    result = *halted;
+  } else if (const std::string why = motion_refusal(robot.state().value(), arm, settings);
+             !why.empty()) {
+    result.text += ": " + why;
+  }
+  Json json = result_json(result);
   json["still"] = nullptr;
   return json;
+}
+
+/// Waits until a protective stop that the dashboard has released is gone.
+/// @return done, or what the robot is stopped by
+MotionResult wait_for_release(const UrRobot& robot) {
+  using enum MotionOutcome;
+  constexpr double kReleaseS = 5.0;
+  const auto start = std::chrono::steady_clock::now();
+  RobotState state = robot.state().value();
+  while (state.safety_mode == SafetyMode::kProtectiveStop && seconds_since(start) < kReleaseS) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    state = robot.state().value();
+  }
+  if (state.age_s > kOldS) {
+    return {.outcome = kLost, .text = fmt::format("no new package for {:.1f} s", state.age_s)};
+  }
+  const MotionOutcome outcome = stop_of(state.safety_mode);
+  return {
+      .outcome = outcome,
+      .text = outcome == kDone ? "" : fmt::format("safety mode {}", name_of(state.safety_mode))};
+}
+
+/// Why the controller would take no script for what it says on its dashboard; empty: it would.
+std::string script_refusal(const Json& dashboard) {
+  if (dashboard.contains("error")) {
+    return dashboard["error"].get<std::string>();
+  }
+  if (dashboard.contains("remote_control") &&
+      flag_of_reply(dashboard["remote_control"].get<std::string>()) != true) {
+    return fmt::format("remote control is off (\"{}\")",
+                       dashboard["remote_control"].get<std::string>());
+  }
+  return {};
 }
 
 Json head_json(const Cell& cell, bool is_twin) {
@@ -190,7 +229,10 @@ Json robot_status(const Cell& cell) {
   json["rate_hz"] = robot.rate_hz();
   json["robot"] = state_json(state);
   json["dashboard"] = dashboard_json(settings);
-  const std::string refusal = motion_refusal(state, arm, settings);
+  std::string refusal = motion_refusal(state, arm, settings);
+  if (refusal.empty() && !is_cb3(settings.model)) {
+    refusal = script_refusal(json["dashboard"]);
+  }
   json["movable"] = refusal.empty();
   json["not_movable_because"] = refusal;
   json["outside_box"] = outside_box(arm, state.actual_q_rad, 0.0);
@@ -248,7 +290,7 @@ Json move_robot(const Cell& cell,
   json["position"] = position.name;
   json["duration_s"] = seconds_since(start);
   if (result.is_done()) {
-    json.update(standstill_json(robot));
+    json.update(standstill_json(robot, arm, settings));
   }
   return json;
 }
@@ -256,8 +298,20 @@ Json move_robot(const Cell& cell,
 Json unlock_robot(const Cell& cell, const MotionPermit& permit) {
   const UrSettings& settings = robot_of(cell);
   Json json = head_json(cell, is_robot_twin(cell));
+  const UrRobot robot(settings, arm_with_tool(settings, cell.limits));
   json["status"] = "done";
-  json.update(command_all(settings, {"close safety popup", "unlock protective stop"}, permit));
+  const SafetyMode mode = robot.state().value().safety_mode;
+  MotionResult result = {
+      .outcome = MotionOutcome::kRefused,
+      .text = fmt::format("there is no protective stop to release: safety mode {}", name_of(mode))};
+  Json sent = {{"replies", Json::array()}};
+  if (mode == SafetyMode::kProtectiveStop) {
+    sent = command_all(settings, {"close safety popup", "unlock protective stop"}, permit);
+    result.text = sent["replies"].back()["reply"].get<std::string>();
+    result = sent["ok"] == true ? wait_for_release(robot) : result;
+  }
+  json.update(result_json(result));
+  json["replies"] = sent["replies"];
   return json;
 }
 

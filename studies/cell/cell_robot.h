@@ -39,7 +39,8 @@ nlohmann::ordered_json move_robot(const Cell& cell,
                                   const CellMotion& motion,
                                   const MotionPermit& permit);
 
-/// Takes away a protective stop. The stop has to be 5 s old.
+/// Takes away a protective stop, and waits until it is gone. The stop has to be 5 s old; of any
+/// other safety mode nothing is sent.
 nlohmann::ordered_json unlock_robot(const Cell& cell, const MotionPermit& permit);
 
 /// Power on and brakes released, or power off.

@@ -81,6 +81,25 @@ TEST(CellInterrupt, StopsTheArmWhereItIs) {
   EXPECT_LT(joint_rad, 0.15) << "the goal is at 0.17";
 }
 
+// What would end or halt a program that does not attend to an arm. The control is that of the first
+// signal: it ends every program that does nothing about it.
+TEST(CellMove, IsAttendedToTheEndWhateverTheTerminalDoes) {
+  const FaultyTwin twin;
+  Program program(twin.folder().path(),
+                  FaultyTwin::call({"move", "--view", "left", "--move", "--speed_share", "0.3"}));
+  twin.wait_for("moving");
+  for (const int signal : {SIGPIPE, SIGTSTP, SIGTTOU}) {
+    program.send(signal);
+  }
+  for (int i = 0; i < 3000 && program.is_running(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ASSERT_FALSE(program.is_running()) << "it is halted";
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(json::parse(result.out)["outcome"], "done");
+}
+
 TEST(CellMove, NamesAStopAfterArrival) {
   const FaultyTwin twin;
   EXPECT_EQ(twin.tell("fault protective_stop still 0.05"), "ok");

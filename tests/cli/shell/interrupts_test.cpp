@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "cli/acquire/driven_session.h"
+
 namespace glint {
 namespace {
 
@@ -41,6 +43,20 @@ TEST(KeepAttending, NothingTypedOrWrittenHaltsTheProgram) {
   for (const int number : {SIGTSTP, SIGTTOU}) {
     EXPECT_EQ(handler_of(number), SIG_IGN) << number;
     EXPECT_EQ(handler_of(number), SIG_DFL) << "the control";
+  }
+}
+
+// All verbs that drive an arm over views go by it.
+TEST(KeepAttending, IsPartOfEveryDrivenSession) {
+  for (const int number : {SIGPIPE, SIGTSTP, SIGTTOU}) {
+    std::signal(number, SIG_DFL);
+  }
+  const DrivenSession session(true);
+  for (const int number : {SIGPIPE, SIGTSTP, SIGTTOU}) {
+    EXPECT_EQ(handler_of(number), SIG_IGN) << number;
+  }
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    handler_of(number);
   }
 }
 

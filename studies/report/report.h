@@ -25,7 +25,7 @@
 //       trial         number of its evaluation
 //       feasible      true, false, or absent when there are no constraints
 //       limits        by what feasible is judged under noise, absent: by what was seen; see
-//                     limits_json() of studies/run/search_race.h
+//                     limits_json() of studies/run/results/judged_limits.h
 //       scores        { score: number } with the seeds of the search
 //       repeated      { score: [numbers] } of scans with other noise, the same for all designs
 //       defects       [ { label, width_px } ]

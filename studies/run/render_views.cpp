@@ -29,7 +29,7 @@
 #include "studies/run/render_maps.h"
 #include "studies/run/render_page.h"
 #include "studies/run/render_study.h"
-#include "studies/run/scene_facts.h"
+#include "studies/run/results/scene_facts.h"
 
 namespace glint {
 namespace fs = std::filesystem;

@@ -2,18 +2,15 @@
 #include "studies/run/run.h"
 
 #include <chrono>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/cpu_clock.h"
 #include "core/file.h"
 #include "core/log.h"
-#include "core/text.h"
 #include "core/wall_clock.h"
 #include "studies/accuracy/accurate_search.h"
 #include "studies/accuracy/outcome_labels.h"
@@ -28,13 +25,15 @@
 #include "studies/run/begun_study.h"
 #include "studies/run/check_study.h"
 #include "studies/run/design_files.h"
-#include "studies/run/repeated_scores.h"
+#include "studies/run/results/judged_limits.h"
+#include "studies/run/results/run_record.h"
+#include "studies/run/results/scene_facts.h"
 #include "studies/run/run_report.h"
 #include "studies/run/run_texts.h"
-#include "studies/run/scene_facts.h"
 #include "studies/run/search_race.h"
 #include "studies/run/study_search.h"
 #include "studies/run/warm_start.h"
+#include "studies/run/written_designs.h"
 #include "studies/tolerance/tolerance_spread.h"
 
 namespace glint {
@@ -69,7 +68,7 @@ class Run {
     const double search_start = process_cpu_s();
     if (study_.has_search()) {
       search = search_with_accuracy(storage, folder);
-      search_cpu_s_ = process_cpu_s() - search_start;
+      cpu_.search_s = process_cpu_s() - search_start;
       if (search.termination == Termination::kInterrupted) {
         is_interrupted_ = true;
         log(LogLevel::kWarning,
@@ -81,7 +80,7 @@ class Run {
       }
     }
     Json result = finish(storage, search, folder);
-    finish_cpu_s_ = process_cpu_s() - search_start - search_cpu_s_;
+    cpu_.finish_s = process_cpu_s() - search_start - cpu_.search_s;
     write_run_json(search, storage);
     if (study_.has_search()) {
       result["ended_by"] = ended_by(search.termination);
@@ -178,7 +177,7 @@ class Run {
     }
     const double start = process_cpu_s();
     race_ = race_finalists(store_, study_, storage, search, options_.interrupt);
-    rescoring_cpu_s_ += process_cpu_s() - start;
+    cpu_.rescoring_s += process_cpu_s() - start;
     is_interrupted_ = race_.is_null();
     if (is_interrupted_) {
       search.termination = Termination::kInterrupted;
@@ -189,63 +188,6 @@ class Run {
 
   Json head(const std::string& title, const char* role, const Json& variables) const {
     return {{"title", title}, {"study", study_.title}, {"role", role}, {"variables", variables}};
-  }
-
-  /// Shows how far the design is, a step for each frame and one for re-scoring; designs have as
-  /// many frames as the baseline, about.
-  DesignWatch watch_of(const std::string& key, const SceneSettings& scene) {
-    const int frames = scene.scan.positions;
-    const auto show = [this, key, frames](int done, const std::string& what) {
-      const std::int64_t before = std::int64_t{designs_written_} * (frames + 1);
-      writing_->update(before + done, fmt::format("{}: {}", key, what));
-    };
-    return {.on_frame = [show](int done) { show(done, fmt::format("frame {}", done)); },
-            .on_rescoring = [show, frames] { show(frames, "re-scoring"); }};
-  }
-
-  /// One step more than there are, so that short work is not told.
-  std::int64_t writing_steps() const {
-    const int frames = study_.scene.scan.positions;
-    const auto designs = static_cast<std::int64_t>(study_.prototypes.size()) +
-                         (study_.has_search() ? 2 : 1) +
-                         (front_.is_null() ? 0 : full_designs_of_front(front_));
-    return designs * (frames + 1) + 1;
-  }
-
-  Json write(const std::string& key,
-             const SceneSettings& scene,
-             const Json& head,
-             bool is_repeated = true) {
-    log(LogLevel::kInfo, "writing {}", key);
-    Json json;
-    DesignWatch watch = watch_of(key, scene);
-    const int trial = head.value("trial", 0);
-    watch.on_rescored = [&](const Outcome& outcome) {
-      fresh_->keep(rescored_label(scene), trial, outcome);
-    };
-    try {
-      json = write_design(
-          store_, scene, head, options_.out / key, true, wanted_by(study_.goal), &watch);
-    } catch (const ConfigError& error) {
-      throw with_place(study_.root, error);
-    }
-    rescoring_cpu_s_ += watch.rescoring_cpu_s;
-    ++designs_written_;
-    if (!study_.has_objective) {
-      return json;
-    }
-    judge_limits(study_.goal, race_, key, json);
-    if (!is_interrupted_ && is_repeated) {
-      const double start = process_cpu_s();
-      const auto keep = [&](int index, const Outcome& outcome) {
-        fresh_->keep(repeated_label(scene, index), trial, outcome);
-      };
-      json["repeated"] = repeated_scores(
-          store_, first_view(store_, scene), wanted_of_repeats(study_), study_.goal, keep);
-      rescoring_cpu_s_ += process_cpu_s() - start;
-    }
-    write_file(options_.out / key / "scores.json", json.dump(2) + "\n");
-    return json;
   }
 
   /// Adds what the study's populations give. @return false when interrupted
@@ -275,13 +217,13 @@ class Run {
                  .storage = storage,
                  .out = options_.out,
                  .wanted = wanted_in_search(study_),
-                 .write = [this](const auto&... design) { return write(design...); },
+                 .write = [this](const auto&... design) { return writer_->write(design...); },
                  .drawing = drawing_svg,
                  .interrupt = options_.interrupt},
                 winner,
                 front_,
                 result);
-    front_cpu_s_ = process_cpu_s() - start;
+    cpu_.front_s = process_cpu_s() - start;
   }
 
   /// The spread of the winner, and the robust optimum.
@@ -297,7 +239,7 @@ class Run {
     const auto trials = storage.trials(TrialKind::kSearch);
     auto found = tolerance_spread(built, study_, trials, winner, variables);
     found ? result["manufacture"] = std::move(*found) : result["status"] = "interrupted";
-    manufacture_cpu_s_ = process_cpu_s() - start;
+    cpu_.manufacture_s = process_cpu_s() - start;
   }
 
   /// @return its scores with fresh seeds
@@ -307,8 +249,8 @@ class Run {
     Json winner_head = head(title, "winner", variables);
     winner_head["trial"] = search.best->number;
     add_judged_limits(study_.goal, search, winner_head);
-    const Json winner =
-        write("winner", scene_with(study_, overrides_of(study_, search.best->point)), winner_head);
+    const Json winner = writer_->write(
+        "winner", scene_with(study_, overrides_of(study_, search.best->point)), winner_head);
     result["best"] = {
         {"trial", search.best->number}, {"variables", variables}, {"scores", winner["scores"]}};
     add_judged_limits(study_.goal, search, result["best"]);
@@ -328,16 +270,24 @@ class Run {
 
   Json finish(Storage& storage, const SearchResult& search, OutputFolder& folder) {
     front_ = search.trade_off ? front_json(study_, storage, search) : Json();
-    writing_.emplace(study_.name + ": writing", writing_steps(), options_.progress);
-    const Json baseline = write(
+    const int front_designs = front_.is_null() ? 0 : full_designs_of_front(front_);
+    writer_.emplace(WritingTask{.store = store_,
+                                .study = study_,
+                                .out = options_.out,
+                                .fresh = *fresh_,
+                                .race = race_,
+                                .front_designs = front_designs,
+                                .is_repeated = !is_interrupted_},
+                    options_.progress);
+    const Json baseline = writer_->write(
         "baseline", study_.scene, head("Baseline", "baseline", baseline_variables_json(study_)));
     write_part_picture(
         store_, first_view(store_, study_.scene), options_.out / "baseline" / "part.png");
     Json prototypes = Json::object();
     for (const Prototype& prototype : study_.prototypes) {
-      const Json written = write(prototype.name,
-                                 scene_with(study_, prototype.overrides),
-                                 head(prototype.title, "prototype", Json::object()));
+      const Json written = writer_->write(prototype.name,
+                                          scene_with(study_, prototype.overrides),
+                                          head(prototype.title, "prototype", Json::object()));
       prototypes[prototype.name] = {{"scores", written["scores"]},
                                     {"rescored", written["rescored"]}};
     }
@@ -363,10 +313,11 @@ class Run {
     rescored["baseline"] = baseline["rescored"];
     result["rescored"] = rescored;
     result["prototypes"] = prototypes;
-    writing_.reset();
+    cpu_.rescoring_s += writer_->rescoring_cpu_s();
+    writer_.reset();
     const double populations_start = process_cpu_s();
     const bool is_inspected = inspect_populations(storage, folder, result);
-    populations_cpu_s_ = process_cpu_s() - populations_start;
+    cpu_.populations_s = process_cpu_s() - populations_start;
     if (!is_inspected) {
       log(LogLevel::kWarning,
           "interrupted; the inspected parts are kept, the same command resumes");
@@ -379,40 +330,20 @@ class Run {
   }
 
   void write_run_json(const SearchResult& search, const Storage& storage) const {
-    Json json = provenance();
-    json["verb"] = command_of(ResultKind::kRun);
-    json["study"] = study_.name;
-    json["source"] = source_seen_from(options_.out, study_.root.place.file);
-    json["started"] = utc_text(started_);
-    json["seed"] = study_.search.seed;
-    json["threads"] = options_.threads;
-    json["jobs"] = options_.jobs;
-    json["algorithm"] = search.algorithm;
-    json["termination"] = study_.has_search() ? termination_name(search.termination) : "none";
-    json["timings"] = {{"search_s", search.seconds},
-                       {"this_run_s", seconds_since(start_)},
-                       {"replayed_evaluations", search.replayed},
-                       {"reused_designs", search.reused},
-                       {"traced_scenes", store_.num_traced()},
-                       {"retraced_scenes", store_.num_retraced()}};
-    json["cpu_s"] = {
-        {"search", search_cpu_s_},
-        {"rescoring", rescoring_cpu_s_},
-        {"writing", finish_cpu_s_ - rescoring_cpu_s_ - populations_cpu_s_ - manufacture_cpu_s_},
-        {"populations", populations_cpu_s_}};
-    if (!front_.is_null()) {
-      json["cpu_s"]["of_these_front"] = front_cpu_s_;
-    }
-    if (manufacture_cpu_s_ > 0.0) {
-      json["cpu_s"]["manufacture"] = manufacture_cpu_s_;
-    }
-    if (accurate_.chosen) {
-      json["cpu_s"]["accuracy"] = accurate_.cpu_s;
-    }
-    json["warnings"] = search.warnings;
-    json["derivatives"] = derivative_remarks(storage);
-    json["configuration"] = resolved_text(study_);
-    write_file(options_.out / "run.json", json.dump(2) + "\n");
+    const RunRecord record = {
+        .study = study_,
+        .out = options_.out,
+        .search = search,
+        .store = store_,
+        .threads = options_.threads,
+        .jobs = options_.jobs,
+        .started = started_,
+        .seconds = seconds_since(start_),
+        .cpu = cpu_,
+        .has_front = !front_.is_null(),
+        .accuracy_cpu_s = accurate_.chosen ? std::optional(accurate_.cpu_s) : std::nullopt,
+        .derivatives = derivative_remarks(storage)};
+    write_file(options_.out / "run.json", run_record_json(record).dump(2) + "\n");
   }
 
   const Study& study_;
@@ -425,16 +356,10 @@ class Run {
   std::chrono::system_clock::time_point started_ = std::chrono::system_clock::now();
   AccurateSearch accurate_;
   std::optional<FreshOutcomes> fresh_;  ///< of its database
-  double search_cpu_s_ = 0.0;
-  double finish_cpu_s_ = 0.0;  ///< all that follows the search, a race of its finalists first
-  double rescoring_cpu_s_ = 0.0;
-  double populations_cpu_s_ = 0.0;
-  double manufacture_cpu_s_ = 0.0;
-  double front_cpu_s_ = 0.0;  ///< part of the two above
-  Json front_;                ///< of several objectives
-  Json race_;                 ///< race_finalists(); null: there was none
-  std::optional<Progress> writing_;
-  int designs_written_ = 0;
+  RunCpu cpu_;
+  Json front_;  ///< of several objectives
+  Json race_;   ///< race_finalists(); null: there was none
+  std::optional<DesignWriter> writer_;
   bool is_interrupted_ = false;  ///< in the search: what can be had without is left out
 };
 

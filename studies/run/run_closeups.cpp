@@ -11,7 +11,7 @@
 #include "core/image/image_io.h"
 #include "studies/output/read_json.h"
 #include "studies/report/report.h"
-#include "studies/run/scene_facts.h"
+#include "studies/run/results/scene_facts.h"
 
 namespace glint {
 namespace fs = std::filesystem;

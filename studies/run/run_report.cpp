@@ -25,9 +25,9 @@
 #include "studies/report/report.h"
 #include "studies/report/report_kinds.h"
 #include "studies/run/comparison/several_runs.h"
+#include "studies/run/results/noise_panel.h"
+#include "studies/run/results/scene_facts.h"
 #include "studies/run/run_closeups.h"
-#include "studies/run/scene_facts.h"
-#include "studies/run/search_race.h"
 #include "studies/run/study_search.h"
 #include "studies/tolerance/tolerance_panel.h"
 

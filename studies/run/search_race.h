@@ -42,24 +42,6 @@ nlohmann::ordered_json race_finalists(SceneStore& store,
                                       SearchResult& search,
                                       const std::atomic<int>* interrupt);
 
-/// By what the limits of a design are judged under noise: { probability: that all hold, by: "model"
-/// | "replicates", scores: { name: { value, sd } } of what is limited, sd the standard deviation of
-/// what is expected or the standard error of the mean of the replicates }.
-nlohmann::ordered_json limits_json(const Goal& goal, const JudgedLimits& judged);
-
-/// To the object of a search's best design: limits, and whether it is feasible by them. Nothing
-/// where limits are judged by what was seen.
-void add_judged_limits(const Goal& goal, const SearchResult& search, nlohmann::ordered_json& best);
-
-/// To a written design, where there are limits and it does not tell yet: feasible, and limits where
-/// it raced and its replicates judged them; else by its scores.
-/// @param race    race_finalists() or null
-/// @param design  an object of scores.json
-void judge_limits(const Goal& goal,
-                  const nlohmann::ordered_json& race,
-                  const std::string& key,
-                  nlohmann::ordered_json& design);
-
 /// What is told of the winner of one noisy objective: { score, seen: by the search, expected,
 /// expected_sd (where a model knows them), value, low, high: told_value() of its repeated scans };
 /// null where it was not scanned repeatedly or scores are not noisy.
@@ -77,10 +59,5 @@ void add_race_to_result(const Study& study,
                         const nlohmann::ordered_json& winner,
                         nlohmann::ordered_json& race,
                         nlohmann::ordered_json& result);
-
-/// A section of the report. @param score  the objective; @param race, told  may be null
-nlohmann::ordered_json noise_panel(const std::string& score,
-                                   const nlohmann::ordered_json& race,
-                                   const nlohmann::ordered_json& told);
 
 }  // namespace glint

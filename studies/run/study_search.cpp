@@ -23,7 +23,7 @@
 #include "studies/imaging/searched/searched_scene.h"
 #include "studies/run/design_files.h"
 #include "studies/run/repeated_scores.h"
-#include "studies/run/search_race.h"
+#include "studies/run/results/judged_limits.h"
 
 namespace glint {
 namespace {

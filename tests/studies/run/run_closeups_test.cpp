@@ -9,7 +9,7 @@
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "studies/output/provenance.h"
-#include "studies/run/scene_facts.h"
+#include "studies/run/results/scene_facts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {

@@ -17,6 +17,8 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "optimizer/storage/storage.h"
+#include "studies/run/results/judged_limits.h"
+#include "studies/run/results/noise_panel.h"
 #include "studies/run/run.h"
 #include "studies/run/run_report.h"
 #include "tests/studies/imaging/path_support.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "studies/run/scene_facts.h"
+#include "studies/run/results/scene_facts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,14 +10,14 @@
 
 namespace glint {
 
-BuiltMerit::BuiltMerit(const Goal& goal, std::span<const Trial> trials)
+BuiltMerit::BuiltMerit(const Goal& goal, std::span<const Trial> trials, const FrontRows& front)
     : goal_(goal), choice_(front_choice_of(goal)) {
   if (has_several_objectives(goal)) {
-    const TradeOff found = trade_off(goal, trials, {});
-    ranges_ = found.front.empty()
+    const FrontRows rows = front.empty() ? trade_off(goal, trials, {}).front : front;
+    ranges_ = rows.empty()
                   ? std::vector<ObjectiveRange>(static_cast<std::size_t>(num_objectives(goal)),
                                                 {.best = 0.0, .width = 1.0})
-                  : objective_ranges(found.front);
+                  : objective_ranges(rows);
   }
 }
 
@@ -25,6 +25,10 @@ double BuiltMerit::of(const Scores& scores) const {
   if (!problem_with(goal_, scores).empty() || !is_feasible(goal_, scores)) {
     return kNoMerit;
   }
+  return of_objectives(scores);
+}
+
+double BuiltMerit::of_objectives(const Scores& scores) const {
   const std::vector<double> objectives = minimised_objectives(goal_, scores);
   return ranges_.empty() ? objectives[0] : choice_cost(objectives, ranges_, choice_);
 }

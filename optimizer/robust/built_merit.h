@@ -21,15 +21,23 @@ inline constexpr double kWorstShare = 0.05;
 /// The merit of a design that failed or is outside a limit.
 inline constexpr double kNoMerit = std::numeric_limits<double>::infinity();
 
+/// Minimised objectives of each design of a front.
+using FrontRows = std::vector<std::vector<double>>;
+
 /// One number for the scores of one built design, smaller is better: the objective (negated when
 /// maximised); of several objectives choice_cost() in the ranges of the search's front.
 class BuiltMerit {
  public:
   /// @param trials  of the search
-  BuiltMerit(const Goal& goal, std::span<const Trial> trials);
+  /// @param front   from which the search has chosen, of several objectives; empty: that of the
+  ///                trials as they were seen
+  BuiltMerit(const Goal& goal, std::span<const Trial> trials, const FrontRows& front = {});
 
   /// Infinity for scores that cannot be judged or are outside a limit.
   double of(const Scores& scores) const;
+
+  /// The same without a look at limits. @param scores  with all objectives, none of them NaN
+  double of_objectives(const Scores& scores) const;
 
  private:
   const Goal& goal_;

@@ -76,7 +76,7 @@ double difference(double a, double b) {
 class Race {
  public:
   Race(const RobustTask& task, const BuildDesigns& build)
-      : task_(task), build_(build), merit_(task.goal, task.trials) {}
+      : task_(task), build_(build), merit_(task.goal, task.trials, task.front) {}
 
   void add(Point point, std::optional<double> modelled) {
     found_.candidates.push_back({.point = std::move(point), .modelled = modelled});

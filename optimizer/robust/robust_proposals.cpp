@@ -35,6 +35,22 @@ constexpr std::array<double, 2> kCautions = {0.0, 2.0};
 /// Keeps the numbers drawn here apart from those of a search with the same seed.
 constexpr std::uint64_t kProposalSeeds = 1ULL << 42;
 
+/// What the search holds of a trial: expected scores where it has a model, else those seen.
+/// @param trial  whose scores can be judged
+double searched_merit(const RobustTask& task, const BuiltMerit& merit, const Trial& trial) {
+  if (!is_likely_feasible(task.goal, trial, task.limits)) {
+    return kNoMerit;
+  }
+  Scores scores = trial.outcome->scores;
+  const std::vector<Objective> objectives = objectives_of(task.goal);
+  if (const auto known = task.expected.find(trial.number); known != task.expected.end()) {
+    for (std::size_t k = 0; k < objectives.size(); ++k) {
+      scores[objectives[k].name] = known->second[k].mean;
+    }
+  }
+  return merit.of_objectives(scores);
+}
+
 std::vector<const Trial*> trials_to_model(const RobustTask& task) {
   std::vector<const Trial*> done;
   for (const Trial& trial : task.trials) {
@@ -46,9 +62,9 @@ std::vector<const Trial*> trials_to_model(const RobustTask& task) {
   if (done.size() <= kMaxPoints) {
     return done;
   }
-  const BuiltMerit merit(task.goal, task.trials);
+  const BuiltMerit merit(task.goal, task.trials, task.front);
   std::ranges::stable_sort(
-      done, {}, [&](const Trial* one) { return merit.of(one->outcome->scores); });
+      done, {}, [&](const Trial* one) { return searched_merit(task, merit, *one); });
   std::vector<const Trial*> kept(done.begin(), done.begin() + kMaxPoints / 2);
   std::vector<const Trial*> others(done.begin() + kMaxPoints / 2, done.end());
   std::ranges::sort(others, {}, &Trial::number);
@@ -69,7 +85,7 @@ struct Modelled {
 class BuiltModel {
  public:
   BuiltModel(const RobustTask& task, const std::vector<const Trial*>& trials)
-      : task_(task), merit_(task.goal, task.trials) {
+      : task_(task), merit_(task.goal, task.trials, task.front) {
     std::vector<Point> points;
     for (const Trial* trial : trials) {
       points.push_back(canonical(task.space, trial->point));

@@ -11,6 +11,9 @@
 #include "optimizer/problem/goal.h"
 #include "optimizer/problem/space.h"
 #include "optimizer/problem/trial.h"
+#include "optimizer/robust/built_merit.h"
+#include "optimizer/search/expectations.h"
+#include "optimizer/search/expected_limits.h"
 
 namespace glint {
 
@@ -24,6 +27,9 @@ struct RobustTask {
   std::vector<Point> offsets;
   bool is_noisy = false;  ///< of the search: scores of one design vary
   std::uint64_t seed = 1;
+  FrontRows front = {};           ///< as of BuiltMerit
+  Expectations expected = {};     ///< of noisy objectives: what counts of trials instead of scores
+  LimitExpectations limits = {};  ///< the same of limits
 };
 
 struct Proposal {

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,13 +14,16 @@
 #include "core/error.h"
 #include "core/thread_pool.h"
 #include "core/wall_clock.h"
+#include "optimizer/algorithm/merit.h"
 #include "optimizer/algorithm/sobol.h"
 #include "optimizer/storage/storage.h"
 #include "studies/accuracy/chosen_accuracy.h"
 #include "studies/analysis/analysis_json.h"
+#include "studies/analysis/branches.h"
 #include "studies/definition/study.h"
 #include "studies/definition/study_text.h"
 #include "studies/output/provenance.h"
+#include "studies/output/read_json.h"
 #include "studies/run/begun_study.h"
 #include "studies/run/study_search.h"
 
@@ -93,6 +98,52 @@ std::vector<std::string> named_scores(const Goal& goal) {
   return names;
 }
 
+/// result.json; an object without anything where the run has not ended once.
+Json result_of(const fs::path& run) {
+  const fs::path file = run / "result.json";
+  return fs::exists(file) ? read_json(file) : Json::object();
+}
+
+/// The run's own best design where that keeps the limits as the run judges them.
+/// @param searched  trials of the search, by number
+std::optional<Point> answer_of(const Study& study,
+                               const Json& result,
+                               std::span<const Trial> searched) {
+  const Json best = result.value("best", Json());
+  const int number = best.is_object() ? best.value("trial", 0) : 0;
+  const auto found = std::ranges::find(searched, number, &Trial::number);
+  if (found == searched.end() || !found->outcome || found->outcome->is_failed) {
+    return std::nullopt;
+  }
+  const bool is_feasible_seen = is_feasible(study.goal, found->outcome->scores);
+  return best.value("feasible", is_feasible_seen)
+             ? std::optional(canonical(study.space, found->point))
+             : std::nullopt;
+}
+
+/// Of noisy scores the answer of the run itself and, in other branches, what is expected to be the
+/// best, so that no response goes through a lucky evaluation.
+/// @param trials  of the search, and added ones
+BestDesigns best_of_run(const Study& study,
+                        const Json& result,
+                        std::span<const Trial> searched,
+                        std::span<const Trial> trials,
+                        std::span<const FittedScore> fitted) {
+  if (!study.search.is_noisy && !result.contains("race")) {
+    return best_seen(study.space, study.goal, trials);
+  }
+  const SearchTask task = search_task(study, 1);
+  std::vector<std::string> exact = task.exact.names;
+  exact.insert(exact.end(), task.steady.begin(), task.steady.end());
+  BestDesigns best = study.search.is_noisy
+                         ? best_expected(study.space, study.goal, trials, fitted, exact)
+                         : best_seen(study.space, study.goal, trials);
+  if (const std::optional<Point> answer = answer_of(study, result, searched)) {
+    best[branch_names(study.space, {&*answer, 1}).front()] = *answer;
+  }
+  return best;
+}
+
 }  // namespace
 
 int add_designs(const fs::path& run, const AddOptions& options) {
@@ -135,6 +186,7 @@ Json analyse_run(const fs::path& run) {
   const Study study = searched_study(run);
   std::vector<Trial> trials = Storage::read(run / "study.sqlite").trials(TrialKind::kSearch);
   std::erase_if(trials, [](const Trial& trial) { return !trial.outcome; });
+  const std::size_t num_searched = trials.size();
   std::size_t added = 0;
   if (fs::exists(run / kAddedDesigns)) {
     for (Trial& trial : Storage::read(run / kAddedDesigns).trials(TrialKind::kSearch)) {
@@ -144,10 +196,15 @@ Json analyse_run(const fs::path& run) {
       }
     }
   }
-  Json scores = Json::array();
+  std::vector<FittedScore> fitted;
   for (const std::string& name : named_scores(study.goal)) {
-    scores.push_back(
-        analysis_json(study.space, analyse_score(study.space, study.goal, trials, name)));
+    fitted.push_back(fit_score(study.space, trials, name));
+  }
+  const BestDesigns best =
+      best_of_run(study, result_of(run), std::span(trials).first(num_searched), trials, fitted);
+  Json scores = Json::array();
+  for (const FittedScore& one : fitted) {
+    scores.push_back(analysis_json(study.space, analyse_score(study.space, one, best)));
   }
   return {{"added", added}, {"scores", scores}};
 }

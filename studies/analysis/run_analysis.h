@@ -31,7 +31,8 @@ int add_designs(const std::filesystem::path& run, const AddOptions& options);
 ///       importance  [ { variable, first, first_low, first_high, total, total_low, total_high } ]
 ///       responses   [ { variable, at, average, average_low, average_high, best, best_low,
 ///                     best_high } ], lists of the same length; those of the best design may be
-///                     empty
+///                     empty. Under noise it is the run's own answer (result.json) and, in other
+///                     branches, what is expected to be the best
 ///       map         { x, y, at_x, at_y, mean, low, high }, lists row by row of y; or null } ]
 ///     choices     as importance } ] }
 /// @throws ConfigError when the run has searched nothing; IoError when it is no run

@@ -12,7 +12,9 @@
 #include "optimizer/analysis/sobol_indices.h"
 #include "optimizer/problem/goal.h"
 #include "optimizer/problem/trial.h"
+#include "studies/analysis/best_designs.h"
 #include "studies/analysis/evidence.h"
+#include "studies/analysis/fitted_score.h"
 
 namespace glint {
 
@@ -34,7 +36,7 @@ struct Response {
   std::size_t variable = 0;
   std::vector<double> at;     ///< in the variable's own unit; choices as index
   std::vector<Band> average;  ///< over all values of the others
-  std::vector<Band> at_best;  ///< the others as in the best design; empty without one
+  std::vector<Band> at_best;  ///< the others as in the branch's best design; empty without one
 };
 
 /// The score over two variables, averaged over the others.
@@ -69,8 +71,14 @@ struct ScoreAnalysis {
   int wanted = 0;  ///< designs all over the space that would be enough, about; 0: it is
 };
 
+/// @param fitted  fit_score()
+/// @param best    through which the responses `at_best` go
+ScoreAnalysis analyse_score(const SearchSpace& space,
+                            const FittedScore& fitted,
+                            const BestDesigns& best);
+
+/// The same with the best designs as they were seen.
 /// @param trials  told ones count, of any origin
-/// @throws ConfigError for a space with too many branches
 ScoreAnalysis analyse_score(const SearchSpace& space,
                             const Goal& goal,
                             std::span<const Trial> trials,

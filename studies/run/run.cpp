@@ -227,7 +227,7 @@ class Run {
   }
 
   /// The spread of the winner, and the robust optimum.
-  void add_manufacture(const Storage& storage, const Point& winner, Json& result) {
+  void add_manufacture(const Storage& storage, const SearchResult& search, Json& result) {
     if (study_.root.find("manufacture") == nullptr || is_interrupted_) {
       return;
     }
@@ -237,7 +237,7 @@ class Run {
         store_, study_, identity_, options_.out, rungs, options_.jobs, options_.interrupt);
     const auto variables = [this](const Point& point) { return variables_json(study_, point); };
     const auto trials = storage.trials(TrialKind::kSearch);
-    auto found = tolerance_spread(built, study_, trials, winner, variables);
+    auto found = tolerance_spread(built, study_, trials, search.best->point, variables, search);
     found ? result["manufacture"] = std::move(*found) : result["status"] = "interrupted";
     cpu_.manufacture_s = process_cpu_s() - start;
   }
@@ -257,7 +257,7 @@ class Run {
     if (!front_.is_null() && !is_interrupted_) {
       add_front(storage, winner, result);
     }
-    add_manufacture(storage, search.best->point, result);
+    add_manufacture(storage, search, result);
     add_race_to_result(study_, search, winner, race_, result);
     if (is_interrupted_) {
       return winner["rescored"];

@@ -140,19 +140,31 @@ Json winner_json(const Study& study,
   return json;
 }
 
+/// What the answer of a noisy search was chosen by; empty: by what was seen.
+Expectations expected_by_answer(const Study& study, const SearchResult& search) {
+  if (!study.search.is_noisy) {
+    return {};
+  }
+  return search.trade_off ? search.of_front() : search.expected;
+}
+
 }  // namespace
 
 std::optional<Json> tolerance_spread(BuiltDesigns& designs,
                                      const Study& study,
                                      const std::vector<Trial>& trials,
                                      const Point& winner,
-                                     const WriteVariables& variables) {
+                                     const WriteVariables& variables,
+                                     const SearchResult& search) {
   const RobustTask task = {.space = study.space,
                            .goal = study.goal,
                            .trials = trials,
                            .offsets = designs.variable_offsets(),
                            .is_noisy = study.search.is_noisy,
-                           .seed = study.search.seed};
+                           .seed = study.search.seed,
+                           .front = search.trade_off ? search.trade_off->front : FrontRows{},
+                           .expected = expected_by_answer(study, search),
+                           .limits = search.limits};
   const std::vector<BuiltScores> nominal = designs.build({winner}, kExact, 1);
   const std::optional<RobustOptimum> found = find_robust_optimum(
       task, winner, [&](const std::vector<Point>& points, int first, int count) {

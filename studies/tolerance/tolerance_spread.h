@@ -10,6 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "optimizer/search/search.h"
 #include "studies/tolerance/built_designs.h"
 
 namespace glint {
@@ -23,6 +24,8 @@ using WriteVariables = std::function<nlohmann::ordered_json(const Point& point)>
 /// @param trials     of the search
 /// @param winner     its best point
 /// @param variables  writes a point as { path: value }
+/// @param search     by what its answer was chosen, where scores are noisy or objectives several;
+///                   without: by what the trials have shown
 /// @return empty: interrupted; else
 ///         { designs, failed, distribution: "uniform", plus_minus: { key: number },
 ///           scores: { score: { nominal, mean, sd, low, high } } of objectives and limited ones,
@@ -39,6 +42,7 @@ std::optional<nlohmann::ordered_json> tolerance_spread(BuiltDesigns& designs,
                                                        const Study& study,
                                                        const std::vector<Trial>& trials,
                                                        const Point& winner,
-                                                       const WriteVariables& variables);
+                                                       const WriteVariables& variables,
+                                                       const SearchResult& search = {});
 
 }  // namespace glint

@@ -165,6 +165,27 @@ TEST(RobustOptimum, ProposesNothingWithoutEvidence) {
   EXPECT_TRUE(propose_robust(task, kNarrow, 4).empty());
 }
 
+// The lucky design at a = -12 makes the range of a four times as wide, so that what is given up of
+// a counts for a quarter: (4, 0.5) is then nearer to the best of both than (1, 2.5), and is not
+// where both ranges are 4.
+TEST(BuiltMerit, MeasuresByTheFrontThatTheSearchHasChosenFrom) {
+  const Goal goal = {.objective = {.name = "a", .is_maximised = false},
+                     .constraints = {},
+                     .more_objectives = {{.name = "b", .is_maximised = false}}};
+  const auto trial = [](int number, double a, double b) {
+    return Trial{.number = number, .outcome = Outcome{.scores = {{"a", a}, {"b", b}}}};
+  };
+  const std::vector<Trial> seen = {trial(1, -12.0, 4.0), trial(2, 4.0, 0.0)};
+  const Scores flat = {{"a", 4.0}, {"b", 0.5}};
+  const Scores even = {{"a", 1.0}, {"b", 2.5}};
+  const BuiltMerit by_seen(goal, seen);
+  EXPECT_NEAR(by_seen.of(flat), std::hypot(1.0, 0.125), 1e-12);
+  EXPECT_LT(by_seen.of(flat), by_seen.of(even));
+  const BuiltMerit by_expected(goal, seen, {{0.0, 4.0}, {4.0, 0.0}});
+  EXPECT_NEAR(by_expected.of(even), std::hypot(0.25, 0.625), 1e-12);
+  EXPECT_LT(by_expected.of(even), by_expected.of(flat));
+}
+
 // Of 64 three may be worse; what is outside limits is worse than all.
 TEST(RobustOptimum, AStandingIsWhatNineteenOfTwentyReach) {
   std::vector<double> merits;

@@ -7,7 +7,9 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "optimizer/algorithm/sobol.h"
 #include "optimizer/storage/storage.h"
+#include "studies/analysis/fitted_score.h"
 #include "studies/run/begun_study.h"
 #include "studies/run/run.h"
 #include "tests/studies/imaging/path_support.h"
@@ -74,6 +76,55 @@ TEST(RunAnalysis, AddsDesignsUntilTheEvidenceIsEnough) {
   const Json& bright = branch["responses"][1]["average"];
   EXPECT_GT(bright.back().get<double>(), 1.5 * bright.front().get<double>());
   EXPECT_EQ(read_file(run / "study.sqlite"), trials) << "the run's own trials stay";
+}
+
+/// Brightness by height and radiance, of even designs; number 4 is a plain one, and number 10,
+/// truly 0.54, was seen brighter than any can be.
+std::vector<Trial> bright_trials(const Study& study) {
+  const Sobol even(9, 2);
+  std::vector<Trial> trials;
+  for (std::uint32_t k = 0; k < 36; ++k) {
+    Point point = point_from_unit(study.space, even.point(k));
+    point = k == 3 ? Point{25.0, 0.7} : k == 9 ? Point{40.0, 0.9} : point;
+    const double mean = k == 9 ? 0.82 : point[1] * (1.0 - 0.01 * point[0]);
+    trials.push_back({.number = static_cast<int>(k) + 1,
+                      .point = point,
+                      .outcome = Outcome{.scores = {{"homogeneity.mean", mean}}}});
+  }
+  return trials;
+}
+
+/// The folder of a noisy run with these trials, of which number 4 is its answer; nothing is
+/// rendered.
+void write_noisy_run(const std::filesystem::path& run, const std::vector<Trial>& trials) {
+  Storage storage = Storage::open(run / "study.sqlite", {});
+  for (const Trial& trial : trials) {
+    storage.append(std::vector<Event>{{.kind = EventKind::kAsk, .trial = trial.number}},
+                   std::vector<Trial>{trial});
+  }
+  write_file(run / "result.json", R"({"schema": 1, "best": {"trial": 4}})");
+}
+
+// The responses go through what the run answers, not through what it saw.
+TEST(RunAnalysis, UnderNoiseShowsTheRunsOwnAnswer) {
+  const TemporaryFolder folder;
+  const std::filesystem::path& run = folder.path();
+  write_file(run / "study.resolved.toml",
+             kSearch.substr(0, kSearch.find("[search]")) +
+                 "[search]\nnoisy = true\n[budget]\nevaluations = 36\n");
+  const Study study = load_study(run / "study.resolved.toml", {});
+  const std::vector<Trial> trials = bright_trials(study);
+  write_noisy_run(run, trials);
+  const Json analysis = analyse_run(run);
+  const Json& branch = analysis.at("scores").at(0).at("branches").at(0);
+  ASSERT_TRUE(branch["is_enough"].get<bool>()) << branch["reason"];
+  const Json& response = branch.at("responses").at(0);
+  const FittedScore fitted = fit_score(study.space, trials, "homogeneity.mean");
+  for (const std::size_t k : {0U, 10U, 20U}) {
+    const Point through_answer = {response.at("at").at(k).get<double>(), 0.7};
+    EXPECT_NEAR(
+        response.at("best").at(k).get<double>(), fitted.model.predict(through_answer).mean, 1e-9);
+  }
 }
 
 TEST(RunAnalysis, RefusesAFolderWithoutASearch) {

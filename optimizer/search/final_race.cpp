@@ -88,7 +88,7 @@ class FinalRacing {
     std::vector<Replicate> replicates;
     for (const Trial& known : storage.trials(TrialKind::kReplicate)) {
       const int replicate = counts[known.name]++;
-      known_[{known.name, replicate}] = *known.outcome;
+      known_[{known.name, replicate}] = known;
       next_ = known.number + 1;
       const auto trial = trials.find(known.name);
       std::ranges::move(
@@ -133,8 +133,7 @@ class FinalRacing {
   void add_replicate(std::size_t index, int replicate) {
     const Entrant& entrant = entrants_[index];
     Racer& racer = found_.racers[index];
-    const auto known = known_.find({entrant.key, replicate});
-    const Outcome outcome = known != known_.end() ? known->second : evaluated(entrant, replicate);
+    const Outcome outcome = outcome_of(entrant, replicate);
     ++found_.evaluations;
     if (outcome.is_failed) {
       racer.is_given_up = true;
@@ -143,7 +142,26 @@ class FinalRacing {
     }
   }
 
-  Outcome evaluated(const Entrant& entrant, int replicate) {
+  /// What is recorded of it; one that failed in an earlier run is tried again and takes its place.
+  Outcome outcome_of(const Entrant& entrant, int replicate) {
+    const auto known = known_.find({entrant.key, replicate});
+    if (known == known_.end()) {
+      const Outcome outcome = evaluated(entrant, replicate);
+      append(entrant, replicate, outcome);
+      return outcome;
+    }
+    Trial& trial = known->second;
+    if (trial.outcome->is_failed) {
+      trial.outcome = evaluated(entrant, replicate);
+      storage_.record(TrialKind::kReplicate,
+                      trial.number,
+                      *trial.outcome,
+                      labelled_outcome(trial, entrant.trial, replicate));
+    }
+    return *trial.outcome;
+  }
+
+  Outcome evaluated(const Entrant& entrant, int replicate) const {
     Outcome outcome;
     try {
       outcome.scores = evaluate_(entrant, replicate);
@@ -156,6 +174,10 @@ class FinalRacing {
     } catch (const Error& error) {
       outcome = {.is_failed = true, .message = error.what()};
     }
+    return outcome;
+  }
+
+  void append(const Entrant& entrant, int replicate, const Outcome& outcome) {
     const Event event = {.kind = EventKind::kReplicate,
                          .trial = entrant.trial,
                          .value = static_cast<double>(replicate),
@@ -166,7 +188,6 @@ class FinalRacing {
                          .point = entrant.point,
                          .outcome = outcome};
     storage_.append({&event, 1}, {&trial, 1}, labelled_outcome(trial, entrant.trial, replicate));
-    return outcome;
   }
 
   /// A replicate of the search's trial or, of a design that is none, of the race's own.
@@ -320,7 +341,7 @@ class FinalRacing {
   RaceLimits limits_;
   const LabelOfReplicate& label_;
   std::vector<std::string> names_;
-  std::map<std::pair<std::string, int>, Outcome> known_;
+  std::map<std::pair<std::string, int>, Trial> known_;
   int next_ = 1;  ///< number of the next replicate in the database
   FinalRace found_;
 };

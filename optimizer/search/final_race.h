@@ -8,7 +8,8 @@
 // draw the replicates with replacement, the same ones for all designs (common random numbers), and
 // widen what they draw to Student's distribution. Each replicate is an event and a trial of the
 // study's database: what is there is not evaluated again, so a race that is cut short goes on, and
-// a larger one has all of the smaller one.
+// a larger one has all of the smaller one. Only what failed is tried again, once in each run: what
+// was missing may be there now.
 #pragma once
 
 #include <atomic>

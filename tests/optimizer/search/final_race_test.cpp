@@ -88,7 +88,7 @@ TEST_F(FinalRaceTest, TheWinnerIsATrialWhateverItIsComparedWith) {
   EXPECT_GT(found.racers[2].probability, 0.99);
 }
 
-TEST_F(FinalRaceTest, OneThatCannotBeEvaluatedIsOutAndIsNotTriedAgain) {
+TEST_F(FinalRaceTest, OneThatCannotBeEvaluatedIsOutAndIsTriedOnceInEachRun) {
   int tried = 0;
   const auto evaluate = [&](const Entrant& entrant, int replicate) -> Scores {
     if (entrant.trial == 2) {
@@ -105,7 +105,41 @@ TEST_F(FinalRaceTest, OneThatCannotBeEvaluatedIsOutAndIsNotTriedAgain) {
     EXPECT_TRUE(found->racers[0].is_given_up);
     EXPECT_NEAR(found->racers[1].probability, 1.0, 1e-9);
   }
-  EXPECT_EQ(tried, 1);
+  EXPECT_EQ(tried, 2);
+  const std::vector<Trial> raced = storage.trials(TrialKind::kReplicate);
+  EXPECT_EQ(std::ranges::count(raced, entrants[0].key, &Trial::name), 1);
+}
+
+// By a program that did not ask for the score of the goal, or in a state in which it could not be
+// had. It is the best design, and takes the place of its failures.
+TEST_F(FinalRaceTest, WhatFailedInAnEarlierRunIsTriedAgain) {
+  const std::vector<Entrant> entrants = {trial_of(2), trial_of(1)};
+  Storage storage = Storage::open(folder_ / "s.sqlite", test::identity());
+  NoisyBench bench{.truth = {{1, 9.0}, {2, 10.0}}};
+  const auto lacking = [&](const Entrant& entrant, int replicate) {
+    Scores scores = bench(entrant, replicate);
+    scores.erase(entrant.trial == 2 ? "gain" : "nothing");
+    return scores;
+  };
+  EXPECT_EQ(run_final_race(kMaxGain, entrants, storage, lacking)->best, 1U);
+  bench.evaluated = 0;
+  const auto found = run_final_race(kMaxGain, entrants, storage, std::ref(bench));
+  EXPECT_EQ(found->best, 0U);
+  EXPECT_EQ(found->racers[0].replicates.size(), static_cast<std::size_t>(kAllReplicates));
+  EXPECT_EQ(bench.evaluated, kAllReplicates) << "the other one's are there";
+  std::set<std::pair<std::string, double>> replicates;
+  for (const Event& event : storage.events()) {
+    EXPECT_TRUE(replicates.emplace(event.text, event.value).second) << "each is one event";
+  }
+  for (const Trial& trial : storage.trials(TrialKind::kReplicate)) {
+    EXPECT_FALSE(trial.outcome->is_failed);
+  }
+  NoisyBench whole_bench{.truth = bench.truth};
+  const TemporaryFolder whole;
+  Storage of_whole = Storage::open(whole / "s.sqlite", test::identity());
+  EXPECT_EQ(
+      run_final_race(kMaxGain, entrants, of_whole, std::ref(whole_bench))->racers[0].replicates,
+      found->racers[0].replicates);
 }
 
 /// Cut short after every number of evaluations it comes to the same.

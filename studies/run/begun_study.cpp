@@ -160,13 +160,12 @@ void remove_database(const fs::path& database) {
   }
 }
 
-/// Nothing where anything else differs too, or where the study has [accuracy]: the way to render
-/// was chosen for the space as it was.
+/// Nothing where anything else differs too.
 std::optional<SpaceChange> space_change(const Study& study,
                                         const StudyIdentity& recorded,
                                         const fs::path& run) {
   const std::optional<Study> begun = begun_study(recorded, run);
-  if (!begun || study.accuracy || !study.has_search() || !begun->has_search() ||
+  if (!begun || !study.has_search() || !begun->has_search() ||
       !differs_in_space_alone(study, *begun, recorded)) {
     return std::nullopt;
   }
@@ -217,6 +216,19 @@ void widen_space(const Study& study,
   }
 }
 
+/// Why a run cannot go on in another space. [accuracy] has tried designs of the space as it was: a
+/// wider one might ask for another way to render, and what is evaluated is of the first.
+std::vector<std::string> problems_with(const Study& study, const SpaceChange& change) {
+  std::vector<std::string> problems = change.problems;
+  if (study.accuracy) {
+    for (const std::string& wider : change.wider) {
+      problems.push_back(wider +
+                         ", and [accuracy] has chosen how to render for the space as it was");
+    }
+  }
+  return problems;
+}
+
 std::string what_may_change(const Study& study) {
   const bool keeps_more = study.accuracy || study.sorting || study.pod;
   return keeps_more ? "title and [budget] may change"
@@ -259,7 +271,9 @@ std::string adopt_begun_study(const Study& study, StudyIdentity& identity, const
     return "";
   }
   const std::optional<SpaceChange> change = space_change(study, recorded, run);
-  if (change && change->problems.empty()) {
+  const std::vector<std::string> problems =
+      change ? problems_with(study, *change) : changed_keys(study, recorded.config_text);
+  if (change && problems.empty()) {
     widen_space(study, *change, identity, run);
     return join(change->wider, "; ");
   }
@@ -267,8 +281,7 @@ std::string adopt_begun_study(const Study& study, StudyIdentity& identity, const
       fmt::format("{}: holds another study: {}; of a study that has been begun only {}: give "
                   "another folder with --out",
                   run.string(),
-                  change ? join(change->problems, "; ")
-                         : changes_text(changed_keys(study, recorded.config_text)),
+                  change ? join(problems, "; ") : changes_text(problems),
                   what_may_change(study)));
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What may change of a study whose run has begun: title, budget, prototypes and a space that
-// becomes wider. Its trials are designs of the wider space, too, and a new epoch of the search
-// begins with them.
+// What may change of a study whose run has begun: title, budget, prototypes and, without
+// [accuracy], a space that becomes wider. Its trials are designs of the wider space, too, and a new
+// epoch of the search begins with them.
 #pragma once
 
 #include <filesystem>

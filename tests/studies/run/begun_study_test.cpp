@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "studies/definition/study_text.h"
 #include "studies/run/begun_study.h"
 #include "studies/run/run.h"
 #include "studies/tolerance/built_designs.h"
@@ -21,6 +22,7 @@ namespace glint {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const std::string kBegun = "schema = 1\ntitle = \"Plate\"\nlighting_use = \"ring\"\n" + kPathPlate +
@@ -158,6 +160,36 @@ TEST(BegunStudy, NarrowerRangesAndOtherChangesAreRefusedWithTheReason) {
   EXPECT_THAT(refused("maximise", "minimise"), HasSubstr("objective.minimise"));
   EXPECT_EQ(epochs_in(folder), 0);
   EXPECT_EQ(run_in(folder, kBegun)["evaluations"], 12) << "nothing is changed by a refusal";
+}
+
+// The way to render was chosen by designs of the space as it was. Nothing needs to be rendered to
+// know that.
+TEST(BegunStudy, AWiderSpaceBesideAccuracyIsRefusedWithTheReason) {
+  const TemporaryFolder folder;
+  const auto loaded = [&](const std::string& text) {
+    write_file(folder / "study.toml", text);
+    return load_study(folder / "study.toml", {});
+  };
+  const std::string accurate = kBegun + "[accuracy]\ntolerance = \"auto\"\n";
+  const Study begun = loaded(accurate);
+  write_file(folder / "study.resolved.toml", resolved_text(begun));
+  Storage::open(folder / "study.sqlite",
+                {.config_hash = config_hash(begun), .config_text = resolved_text(begun)});
+  const auto adopted = [&](const std::string& before, const std::string& after) -> std::string {
+    StudyIdentity identity;
+    try {
+      return adopt_begun_study(loaded(replaced(accurate, before, after)), identity, folder.path());
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(adopted("evaluations = 12", "evaluations = 20"), "");
+  EXPECT_THAT(adopted("max = 40", "max = 60"),
+              AllOf(HasSubstr("lighting.ring.height_mm: max is 60, was 40, and [accuracy] has "
+                              "chosen how to render for the space as it was; of a study"),
+                    HasSubstr("only title and [budget] may change: give another folder")));
+  EXPECT_THAT(adopted("max = 40", "max = 30"), HasSubstr("was 40, a narrower range; of a study"));
+  EXPECT_THAT(Storage::read(folder / "study.sqlite").events(), testing::IsEmpty());
 }
 
 /// Whose steps count from another begin.

@@ -268,7 +268,10 @@ class Check {
                                   : PredictedSearch();
     costs_.search_s = accurate_.cpu_s + (search_ ? search_->cpu_s : 0.0);
     costs_.rescoring_s +=
-        sample_.evaluation_s * likely_replicates(study_, search_ ? search_->evaluations : 0);
+        measure_race_s(store_,
+                       study_,
+                       sample_.best,
+                       likely_replicates(study_, search_ ? search_->evaluations : 0));
     costs_.manufacture_s = has_manufacture() ? sample_.evaluation_s * kMaxBuiltDesigns : 0.0;
     return result();
   }

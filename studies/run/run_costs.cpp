@@ -17,6 +17,7 @@
 #include "studies/report/report.h"
 #include "studies/run/repeated_scores.h"
 #include "studies/run/search_clock.h"
+#include "studies/run/search_race.h"
 #include "studies/run/study_search.h"
 
 namespace glint {
@@ -144,6 +145,22 @@ double measure_rescoring_s(SceneStore& store,
   const double finer_s = finer_scan_s(store, scene, wanted_by(study.goal), rendering_s);
   return finer_s +
          (study.has_objective ? repeated_scans_s(store, scene, wanted_of_repeats(study)) : 0.0);
+}
+
+double measure_race_s(SceneStore& store,
+                      const Study& study,
+                      const std::optional<Point>& best,
+                      int replicates) {
+  if (replicates == 0) {
+    return 0.0;
+  }
+  const SceneSettings scene = best ? scene_with(study, overrides_of(study, *best)) : study.scene;
+  const double start = process_cpu_s();
+  try {
+    replicate_scores(store, study, scene, 0);
+  } catch (const ConfigError&) {  // such a design is out of the race
+  }
+  return replicates * (process_cpu_s() - start);
 }
 
 }  // namespace glint

@@ -80,4 +80,12 @@ double measure_rescoring_s(SceneStore& store,
                            const SceneSettings& scene,
                            double rendering_s);
 
+/// CPU seconds of a race of finalists (search_race.h), of whose replicates one is made.
+/// @param best        a design that can be evaluated; empty: the study's own
+/// @param replicates  likely_replicates(); 0: nothing is made
+double measure_race_s(SceneStore& store,
+                      const Study& study,
+                      const std::optional<Point>& best,
+                      int replicates);
+
 }  // namespace glint

@@ -247,6 +247,14 @@ int likely_replicates(const Study& study, int evaluations) {
   return finalists > 0 ? kAllReplicates + kFirstReplicates * (finalists + others) : 0;
 }
 
+Scores replicate_scores(SceneStore& store,
+                        const Study& study,
+                        const SceneSettings& scene,
+                        int replicate) {
+  return repeated_scan(
+      store, first_view(store, scene), wanted_in_race(study), scan_of_replicate(replicate));
+}
+
 Json race_finalists(SceneStore& store,
                     const Study& study,
                     Storage& storage,
@@ -256,12 +264,10 @@ Json race_finalists(SceneStore& store,
   const std::vector<NamedEntrant> named = entrants_of(study, trials, search);
   std::vector<Entrant> entrants;
   std::ranges::transform(named, std::back_inserter(entrants), &NamedEntrant::entrant);
-  const WantedScores wanted = wanted_in_race(study);
   const auto evaluate = [&](const Entrant& entrant, int replicate) {
     const auto index = static_cast<std::size_t>(
         std::ranges::find(entrants, entrant.key, &Entrant::key) - entrants.begin());
-    return repeated_scan(
-        store, first_view(store, named[index].scene), wanted, scan_of_replicate(replicate));
+    return replicate_scores(store, study, named[index].scene, replicate);
   };
   const auto label = [&](const Entrant& /*entrant*/, int replicate) {
     return repeated_label(study.scene, scan_of_replicate(replicate));

@@ -23,6 +23,15 @@ bool has_race(const Study& study, const SearchResult& search);
 /// What a race takes where all but the winner are given up at the first chance; 0: there is none.
 int likely_replicates(const Study& study, int evaluations);
 
+/// What such a race evaluates of a design: all that the goal names, with what needs a picture of
+/// its own (real pictures, trials), rendered as the study says and not as its search may be.
+/// @param replicate  >= 0; each has random numbers of its own, the same ones for all designs
+/// @throws ConfigError where it cannot be made; IoError
+Scores replicate_scores(SceneStore& store,
+                        const Study& study,
+                        const SceneSettings& scene,
+                        int replicate);
+
 /// Races the finalists of a search, its prototypes, and its baseline where it is no finalist. The
 /// best finalist becomes the search's best; by search rules 8 its replicates judge the limits. Each
 /// replicate is kept as its event, as a trial of its own and as an outcome of the finalist

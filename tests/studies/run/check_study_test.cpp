@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/studies/imaging/path_support.h"
 #include "tests/studies/run/rendered_plate.h"
 #include "tests/support/temporary_folder.h"
 
@@ -75,6 +76,20 @@ TEST(CheckStudy, CallsAnObjectiveFlatWhereNothingElseTellsOtherwise) {
   };
   EXPECT_FALSE(is_flat("minimise = \"scan.frames\""));
   EXPECT_TRUE(is_flat("maximise = \"defects.made\""));
+}
+
+// The width of a light needs no picture, and its search makes none; a race makes one for each of
+// its 8 + 4 * 40 replicates, and all else that is scored again takes a few dozen.
+TEST(CheckStudy, CountsThePicturesOfTheRace) {
+  const auto rescoring_s = [](const std::string& race) {
+    const std::string text = "schema = 1\n" + kPathPlate + kPathRing +
+                             "[variables]\n\"lighting.ring.outer_radius_mm\" = { min = 25, max = "
+                             "35 }\n[objective]\nminimise = \"lighting.width_mm\"\n[search]\n"
+                             "algorithm = \"sobol\"\n[budget]\nevaluations = 4\nrace = " +
+                             race + "\n";
+    return check_of(text).at("predicted_cpu_s").at("rescoring").get<double>();
+  };
+  EXPECT_GT(rescoring_s("40"), 2.5 * rescoring_s("0"));
 }
 
 // 0.3 mm a pixel: the first dent is 10 pixels wide, the second two.

@@ -19,7 +19,7 @@ tidy_studies   - clang-tidy on studies
 tidy_hardware  - clang-tidy on hardware
 tidy_tests     - clang-tidy on tests
 fuzz           - each fuzzer for a minute
-optuna         - Optuna opens exported runs, with its importances; left out with a word where it cannot be installed
+optuna         - Optuna opens exported runs, with its importances and plots; left out with a word where it cannot be installed
 slow           - tests labelled slow, but those below
 slow_loop      - the loop of robot_cell in small pictures, and the hand-eye of three cells in whole ones
 slow_docs      - the commands of the pages, predicted costs, the package
@@ -129,6 +129,7 @@ deep_optuna() {
     echo "left out: python3-optuna and python3-sklearn are missing and cannot be installed" >&2
     return 0
   fi
+  /usr/bin/python3 -c 'import plotly' || echo "left out: Optuna's plots, python3-plotly is missing" >&2
   build_preset dev && run_tests dev -R '^studies_export$'
 }
 

@@ -168,6 +168,28 @@ shares = optuna.importance.get_param_importances(study)
 assert list(shares)[0] == 'steep' and shares['steep'] > 0.8, shares
 )";
 
+constexpr const char* kPlotter = R"(
+import sys, optuna
+path = sys.argv[1]
+storage = optuna.storages.JournalStorage(optuna.storages.JournalFileStorage(path))
+study = optuna.load_study(study_name='bowl', storage=storage)
+seen, best = optuna.visualization.plot_optimization_history(study).data[:2]
+assert list(seen.y) == [t.value for t in study.trials], seen
+assert len(best.y) == 40 and best.y[-1] == study.best_value, best
+bars = optuna.visualization.plot_param_importances(study).data[0]
+assert max(zip(bars.x, bars.y))[1] == 'steep' and set(bars.y) == {'steep', 'flat'}, bars
+)";
+
+constexpr const char* kFrontPlotter = R"(
+import sys, optuna
+path = sys.argv[1]
+storage = optuna.storages.JournalStorage(optuna.storages.JournalFileStorage(path))
+study = optuna.load_study(study_name='lights', storage=storage)
+others, front = optuna.visualization.plot_pareto_front(study).data
+assert list(zip(others.x, others.y)) == [(1.0, 0.5)], others
+assert sorted(zip(front.x, front.y)) == [(2.0, 0.125), (4.5, 0.5)], front
+)";
+
 /// Whether a program of Python that reads a journal ends well.
 bool python_reads(const std::string& journal, const std::string& program) {
   const TemporaryFolder folder;
@@ -201,10 +223,8 @@ TEST(OptunaJournal, OfSeveralObjectivesHasTheSameFrontInOptuna) {
   EXPECT_TRUE(python_reads(optuna_journal("lights", lights(), several, two), kFrontReader));
 }
 
-TEST(OptunaJournal, IsAnalysedByOptuna) {
-  if (!has_python_module("optuna, sklearn")) {
-    GTEST_SKIP() << "needs Optuna and scikit-learn: script/bootstrap --peers";
-  }
+/// A score that one of two variables makes, in 40 even designs.
+std::string bowl_journal() {
   const SearchSpace space = {{{.name = "steep"}, {.name = "flat"}}};
   std::vector<Trial> even;
   for (int i = 0; i < 40; ++i) {
@@ -214,8 +234,34 @@ TEST(OptunaJournal, IsAnalysedByOptuna) {
                     .point = {steep, flat},
                     .outcome = Outcome{.scores = {{"cnr", 4.0 * steep + 0.1 * flat}}}});
   }
-  const Goal most = {.objective = {.name = "cnr"}};
-  EXPECT_TRUE(python_reads(optuna_journal("bowl", space, most, even), kImportanceReader));
+  return optuna_journal("bowl", space, {.objective = {.name = "cnr"}, .constraints = {}}, even);
+}
+
+TEST(OptunaJournal, IsAnalysedByOptuna) {
+  if (!has_python_module("optuna, sklearn")) {
+    GTEST_SKIP() << "needs Optuna and scikit-learn: script/bootstrap --peers";
+  }
+  EXPECT_TRUE(python_reads(bowl_journal(), kImportanceReader));
+}
+
+TEST(OptunaJournal, IsPlottedByOptuna) {
+  if (!has_python_module("optuna, plotly, sklearn")) {
+    GTEST_SKIP() << "needs Optuna, Plotly and scikit-learn: script/bootstrap --peers";
+  }
+  EXPECT_TRUE(python_reads(bowl_journal(), kPlotter));
+}
+
+TEST(OptunaJournal, OfSeveralObjectivesHasItsFrontPlottedByOptuna) {
+  if (!has_python_module("optuna, plotly")) {
+    GTEST_SKIP() << "needs Optuna and Plotly: script/bootstrap --peers";
+  }
+  Goal several = goal();
+  several.constraints = {};
+  several.more_objectives = {{.name = "clipped", .is_maximised = false}};
+  std::vector<Trial> three = {trials()[0], trials()[1], trials()[1]};
+  three[2].number = 3;
+  three[2].outcome->scores = {{"cnr", 1.0}, {"clipped", 0.5}};
+  EXPECT_TRUE(python_reads(optuna_journal("lights", lights(), several, three), kFrontPlotter));
 }
 
 }  // namespace

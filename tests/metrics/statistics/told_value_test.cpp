@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "core/rng.h"
@@ -31,39 +32,75 @@ TEST(ToldValue, IsNoSurerThanTheScoreItselfSays) {
   EXPECT_NEAR(told_value(alike, 0.6).low, 5.0 - 0.9547, 1e-3);
 }
 
-/// The best of twenty designs by one noisy evaluation each: what was seen of it is too good, what
-/// is told is right in 90 to 98 of 100 cases.
-TEST(ToldValue, CoversTheTruthWhereWhatWasSeenIsTooGood) {
-  int covered = 0;
+using DrawNoise = double (*)(Rng& rng);
+using Believe = ModelledScore (*)(double seen);
+
+double normal_noise(Rng& rng) {
+  return rng.normal();
+}
+
+/// Of mean 0 and variance 1 as well, but with a long tail to one side.
+double skewed_noise(Rng& rng) {
+  return -std::log(1.0 - rng.uniform()) - 1.0;
+}
+
+/// What Bayes makes of a prior and an evaluation of variance 1.
+ModelledScore by_bayes(double seen) {
+  return {.mean = 0.5 * seen, .sd = std::sqrt(0.5)};
+}
+
+ModelledScore as_seen(double seen) {
+  return {.mean = seen, .sd = 0.3};
+}
+
+struct ToldCases {
+  int covered = 0;  ///< of kToldCases
   double seen_bias = 0.0;
   double told_bias = 0.0;
-  constexpr int kCases = 400;
-  for (int i = 0; i < kCases; ++i) {
+};
+
+constexpr int kToldCases = 400;
+
+/// The best of twenty designs by one noisy evaluation each, many times.
+ToldCases told_cases(DrawNoise noise, Believe model) {
+  ToldCases cases;
+  for (int i = 0; i < kToldCases; ++i) {
     Rng rng(3, Stream::kTest, static_cast<std::uint64_t>(i));
     double truth = 0.0;
     double seen = -1e9;
     for (int k = 0; k < 20; ++k) {
       const double one = rng.normal();
-      if (const double value = one + rng.normal(); value > seen) {
+      if (const double value = one + noise(rng); value > seen) {
         truth = one;
         seen = value;
       }
     }
-    // What Bayes makes of a prior and an evaluation of variance 1.
-    const ModelledScore model = {.mean = 0.5 * seen, .sd = std::sqrt(0.5)};
     std::vector<double> values;
     for (int k = 0; k < 8; ++k) {
-      values.push_back(truth + rng.normal());
+      values.push_back(truth + noise(rng));
     }
-    const Estimate told = told_value(values, 0.0, model);
-    covered += told.low <= truth && truth <= told.high ? 1 : 0;
-    seen_bias += (seen - truth) / kCases;
-    told_bias += (told.value - truth) / kCases;
+    const Estimate told = told_value(values, 0.0, model(seen));
+    cases.covered += told.low <= truth && truth <= told.high ? 1 : 0;
+    cases.seen_bias += (seen - truth) / kToldCases;
+    cases.told_bias += (told.value - truth) / kToldCases;
   }
-  EXPECT_GE(covered, 360);
-  EXPECT_LE(covered, 392);
-  EXPECT_GT(seen_bias, 0.5);
-  EXPECT_LT(std::abs(told_bias), 0.06);
+  return cases;
+}
+
+// What was seen of it is too good, what is told is right in 90 to 98 of 100 cases.
+TEST(ToldValue, CoversTheTruthWhereWhatWasSeenIsTooGood) {
+  const ToldCases cases = told_cases(normal_noise, by_bayes);
+  EXPECT_GE(cases.covered, 360);
+  EXPECT_LE(cases.covered, 392);
+  EXPECT_GT(cases.seen_bias, 0.5);
+  EXPECT_LT(std::abs(cases.told_bias), 0.06);
+}
+
+// Another program has 89 % of 4000 cases with noise that is far from normal, and 94 % where the
+// model takes the luckiest evaluation for the truth.
+TEST(ToldValue, CoversTheTruthFourTimesOfFiveWhereItsAssumptionsAreWrong) {
+  EXPECT_GE(told_cases(skewed_noise, by_bayes).covered, 320);
+  EXPECT_GE(told_cases(normal_noise, as_seen).covered, 320);
 }
 
 }  // namespace

@@ -17,6 +17,18 @@ using Eigen::Vector3d;
 
 constexpr double kThickness_mm = 2.0;
 
+/// The first point of the picture whose middle lies at or beyond a place along one side.
+int first_point(double mm, double texel_mm) {
+  return std::max(0, static_cast<int>(std::ceil(mm / texel_mm - 0.5)));
+}
+
+/// Where the ink of the board's first corner begins: on the border of a point, up to half a point
+/// from where the sheet has it. All corners are off by the same, as squares have whole points.
+Vector2d painted_corner_mm(const BoardSheet& sheet, double texel_mm) {
+  return texel_mm * Vector2d(first_point(sheet.first_corner_mm.x(), texel_mm),
+                             first_point(sheet.first_corner_mm.y(), texel_mm));
+}
+
 /// Sets the points of a rectangle whose middles a test accepts.
 template <class Test>
 void paint(ImageF& image,
@@ -25,9 +37,7 @@ void paint(ImageF& image,
            const Vector2d& to_mm,
            float value,
            const Test& holds) {
-  const auto first = [&](double mm) {
-    return std::max(0, static_cast<int>(std::ceil(mm / texel_mm - 0.5)));
-  };
+  const auto first = [&](double mm) { return first_point(mm, texel_mm); };
   const int last_x = std::min(image.width(), first(to_mm.x()));
   const int last_y = std::min(image.height(), first(to_mm.y()));
   for (int y = first(from_mm.y()); y < last_y; ++y) {
@@ -82,9 +92,9 @@ BoardTarget board_target(const Board& board, const std::filesystem::path& ink_fi
   target.material.texture.size_mm = {size_mm.x(), size_mm.y()};
   // The board's y runs down the sheet and its z into it.
   target.part_from_board.rotation = Vector3d(1.0, -1.0, -1.0).asDiagonal();
-  target.part_from_board.translation_mm = {sheet.first_corner_mm.x() - 0.5 * size_mm.x(),
-                                           0.5 * size_mm.y() - sheet.first_corner_mm.y(),
-                                           0.5 * kThickness_mm};
+  const Vector2d corner_mm = painted_corner_mm(sheet, texel_mm);
+  target.part_from_board.translation_mm = {
+      corner_mm.x() - 0.5 * size_mm.x(), 0.5 * size_mm.y() - corner_mm.y(), 0.5 * kThickness_mm};
   return target;
 }
 

@@ -20,16 +20,13 @@
 #include "core/units.h"
 #include "core/wall_clock.h"
 #include "hardware/board/find_board.h"
-#include "studies/calibrate/board_target.h"
 #include "studies/calibrate/calibrate_files.h"
 #include "studies/calibrate/calibrate_run.h"
 #include "studies/calibration_trial/trial_errors.h"
 #include "studies/calibration_trial/trial_page.h"
 #include "studies/calibration_trial/trial_poses.h"
-#include "studies/definition/scene_viewpoints.h"
+#include "studies/calibration_trial/trial_renderer.h"
 #include "studies/definition/study_text.h"
-#include "studies/imaging/frame_exposure.h"
-#include "studies/imaging/scene_store.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/read_json.h"
@@ -60,18 +57,6 @@ bool is_in_hand(const SceneSettings& scene) {
   return scene.calibration->setup == CalibrationSetup::kEyeInHand;
 }
 
-CameraOnRobot truth_of(const SceneSettings& scene, const RigidTransform& part_from_board) {
-  const bool in_hand = is_in_hand(scene);
-  const MeasuredPoseSettings& camera =
-      in_hand ? *scene.calibration->flange_from_camera : *scene.calibration->base_from_camera;
-  const MeasuredPoseSettings& part =
-      in_hand ? *scene.cell->base_from_part : *scene.cell->flange_from_part;
-  return {.intrinsics = intrinsics_of(scene),
-          .setup = scene.calibration->setup,
-          .hand_eye = transform_of(camera.pose),
-          .board = transform_of(part.pose) * part_from_board};
-}
-
 /// "picture_0007.png,r11,r12,r13,tx,...,0,0,0,1"
 std::string pose_line(const std::string& name, const RigidTransform& pose) {
   std::vector<std::string> texts = {csv_plain_text(name)};
@@ -91,11 +76,7 @@ class TrialRun {
       : study_(study),
         settings_(*study.calibration_trial),
         options_(options),
-        board_(read_board(settings_.board)),
-        target_(board_target(board_, options.out / "ink.png", settings_.paper)),
-        truth_(truth_of(study.scene, target_.part_from_board)),
-        pool_(options.threads),
-        store_(pool_) {}
+        renderer_(study, options.out / "ink.png", options.threads) {}
 
   /// Renders some pictures and looks for the board in them.
   Json check() {
@@ -153,33 +134,21 @@ class TrialRun {
     }
   }
 
-  std::string board_text() const { return board_toml(board_); }
+  std::string board_text() const { return board_toml(renderer_.board()); }
 
   void draw_poses() {
-    try {
-      for (int i = 0; i < settings_.pictures; ++i) {
-        poses_.push_back(draw_pose(truth_, board_, settings_, static_cast<std::uint64_t>(i)));
-      }
-      for (int i = 0; i < kNewPoses; ++i) {
-        const std::uint64_t index = kFirstNewPose + static_cast<std::uint64_t>(i);
-        new_poses_.push_back(draw_pose(truth_, board_, settings_, index).told);
-      }
-    } catch (const ConfigError& error) {
-      std::vector<Problem> problems = error.problems();
-      for (Problem& problem : problems) {
-        const ConfigNode* node = study_.root.at_path(problem.key);
-        problem.place = (node != nullptr ? *node : *study_.root.find("calibration_trial")).place;
-      }
-      throw ConfigError(std::move(problems));
+    for (int i = 0; i < settings_.pictures; ++i) {
+      poses_.push_back(renderer_.pose(static_cast<std::uint64_t>(i)));
+    }
+    for (int i = 0; i < kNewPoses; ++i) {
+      new_poses_.push_back(renderer_.pose(kFirstNewPose + static_cast<std::uint64_t>(i)).told);
     }
   }
 
   void write_inputs() const {
     write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     write_file(options_.out / "board.toml", board_text());
-    write_png(options_.out / "ink.png",
-              ink_picture(board_, settings_.ink / settings_.paper),
-              PixelDepth::k8Bit);
+    renderer_.write_ink();
     std::string lines;
     for (int i = 0; i < settings_.pictures; ++i) {
       lines += pose_line(picture_file(i).filename().string(), pose(i).told);
@@ -195,7 +164,7 @@ class TrialRun {
   bool is_interrupted() const { return options_.interrupt != nullptr && *options_.interrupt > 0; }
 
   Json checked_view(int i) const {
-    const BoardView view = find_board(read_picture(picture_file(i)).pixels, board_);
+    const BoardView view = find_board(read_picture(picture_file(i)).pixels, renderer_.board());
     std::vector<double> blur_px = view.blur_px;
     std::ranges::sort(blur_px);
     return {{"accepted", view.is_accepted()},
@@ -219,34 +188,12 @@ class TrialRun {
     return !is_interrupted();
   }
 
-  SceneSettings scene_at(int i) const {
-    SceneSettings scene = study_.scene;
-    scene.part = target_.part;
-    scene.material = target_.material;
-    const RigidTransform camera = scene_from_camera(scene, pose_settings(pose(i).real));
-    const auto numbers = [](const Eigen::Vector3d& v) { return std::vector{v.x(), v.y(), v.z()}; };
-    scene.viewpoint_set = {};
-    scene.viewpoints = {{.position_mm = numbers(camera.translation_mm),
-                         .direction = numbers(camera.rotation.col(2)),
-                         .up = numbers(-camera.rotation.col(1))}};
-    scene.paths.seed += i;
-    scene.paths.batches = 1;
-    return scene;
-  }
-
   /// A picture that is interrupted is not written.
   void render(int i) {
-    const SceneSettings scene = scene_at(i);
-    const PathView view(scene, store_.build_defects(scene), scene.viewpoint());
-    const PathPreview go_on = [&](const PathProgress&) { return !is_interrupted(); };
-    const PathPicture picture = render_view(view, path_settings(scene), pool_, {}, go_on);
-    if (is_interrupted()) {
-      return;
+    const auto picture = renderer_.render(pose(i).real, i, [this] { return !is_interrupted(); });
+    if (picture) {
+      write_png(picture_file(i), *picture, PixelDepth::k8Bit);
     }
-    const Sensor sensor(scene.sensor, scene.camera.width_px, scene.camera.height_px);
-    const std::vector<ImageF> radiance = channel_radiances(picture, view.frames().front());
-    write_png(
-        picture_file(i), mean_of_channels(expose_channels(sensor, radiance, i)), PixelDepth::k8Bit);
   }
 
   Json calibrated() const {
@@ -268,14 +215,14 @@ class TrialRun {
 
   Json compared(const Json& calibration) const {
     const CameraOnRobot estimate = estimate_of(calibration);
-    const TrialErrors errors = trial_errors(truth_, estimate, new_poses_);
+    const TrialErrors errors = trial_errors(renderer_.truth(), estimate, new_poses_);
     Json result = {{"schema", 1}, {"status", "done"}, {"study", study_.name}};
     const auto accepted = std::ranges::count_if(calibration["pictures"], [](const Json& picture) {
       return picture["accepted"].get<bool>();
     });
     result["pictures"] = {{"rendered", settings_.pictures}, {"accepted", accepted}};
     result["setup"] = calibration["setup"];
-    result["intrinsics"] = intrinsics_rows(truth_.intrinsics, calibration["intrinsics"]);
+    result["intrinsics"] = intrinsics_rows(renderer_.truth().intrinsics, calibration["intrinsics"]);
     result["hand_eye"] = hand_eye_json(calibration["hand_eye"], errors);
     result["noise"] = {
         {"robot_mm", number_row(settings_.robot_sigma_mm, calibration["noise"]["robot_mm"])},
@@ -325,7 +272,7 @@ class TrialRun {
   }
 
   Json hand_eye_json(const Json& estimate, const TrialErrors& errors) const {
-    const PoseSettings truth = pose_settings(truth_.hand_eye);
+    const PoseSettings truth = pose_settings(renderer_.truth().hand_eye);
     return {{"truth",
              {{"rotation_vector_rad", truth.rotation_vector_rad},
               {"translation_mm", truth.translation_mm}}},
@@ -357,11 +304,7 @@ class TrialRun {
   const Study& study_;
   const CalibrationTrialSettings& settings_;
   const TrialOptions& options_;
-  Board board_;
-  BoardTarget target_;
-  CameraOnRobot truth_;
-  ThreadPool pool_;
-  SceneStore store_;
+  TrialRenderer renderer_;
   std::vector<TrialPose> poses_;
   std::vector<RigidTransform> new_poses_;
 };

@@ -44,7 +44,9 @@ std::optional<HandEye> park(Mounting mounting, std::span<const PosePair> pairs);
 /// 1 where the motion says nothing of it; 1 for fewer than 3 pairs or rotations about one axis.
 double board_size_by_motion(Mounting mounting, std::span<const PosePair> pairs);
 
-/// How far the board's places scatter that the pictures one by one say, about their mean.
+/// How far the board's places scatter that the pictures one by one say, about their mean: roots of
+/// the mean squares over the pictures, as ViSP's vpHandEyeCalibration prints them ("Mean residual
+/// rMo").
 struct BoardScatter {
   double rotation_rad = 0.0;    ///< rms angle
   double translation_mm = 0.0;  ///< rms distance of the board's origin

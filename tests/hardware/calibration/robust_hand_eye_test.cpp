@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/calibration/robust_hand_eye.h"
 
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -31,6 +32,21 @@ std::vector<PosePair> pairs_of(const SimulatedCell& cell) {
          .camera_from_board = cell.is_flipped[i] ? seen * board_turn(kHalfTurn, 1) : seen});
   }
   return pairs;
+}
+
+// Three boards, turned by -a, 0 and a about z and 3 mm apart: about the middle one the roots of the
+// mean squares are a sqrt(2 / 3) and 3 mm sqrt(2 / 3); over n - 1 they would be a and 3 mm.
+TEST(BoardScatter, IsTheRootMeanSquareAboutTheMeanPlace) {
+  constexpr double kTurn = 0.01;
+  std::vector<PosePair> pairs;
+  for (const double step : {-1.0, 0.0, 1.0}) {
+    Vector6d board;
+    board << 0.0, 0.0, kTurn * step, 100.0 + 3.0 * step, 20.0, 30.0;
+    pairs.push_back({.base_from_flange = motion_of(board)});
+  }
+  const BoardScatter scatter = board_scatter(Mounting::kEyeInHand, Isometry3d::Identity(), pairs);
+  EXPECT_NEAR(scatter.rotation_rad, kTurn * std::sqrt(2.0 / 3.0), 1e-9);
+  EXPECT_NEAR(scatter.translation_mm, 3.0 * std::sqrt(2.0 / 3.0), 1e-9);
 }
 
 class ClosedForms : public testing::TestWithParam<Mounting> {};

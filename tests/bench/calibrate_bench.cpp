@@ -10,17 +10,28 @@
 //
 // Rows calibrate/coverage/CASE: shares of 500 trials whose 95 % interval holds the truth.
 //
+// Rows calibrate/bank_CASE/METHOD and calibrate/coverage/bank_CASE: the same with corners whose
+// errors are drawn from rendered pictures (corner_bank.h) in place of Gaussian ones of set size;
+// GLINT_CORNER_BANK names the file, which `script/bench calibrate bank` makes. `corner_px`: the
+// root mean square of the errors that the first trial drew, along one axis.
+//
 // Rows calibrate/boards/10x8 ...: sigma of the hand-eye's rotation, degrees, after so many pictures
 // of a board, as its plan foretells (board_plans.h): the table of docs/theory/calibration.md.
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include "core/error.h"
 #include "hardware/calibration/opencv_methods.h"
+#include "tests/hardware/calibration/corner_bank_file.h"
 #include "tests/hardware/calibration/monte_carlo.h"
 #include "tests/hardware/upkeep/board_plans.h"
 
@@ -56,6 +67,7 @@ void bench_case(benchmark::State& state, const MonteCarloCase& one, const std::s
   const auto put = [&](const char* name, auto value) {
     state.counters[name] = median_of(trials, value);
   };
+  state.counters["corner_px"] = simulate_cell(one.settings, kFirstSeed).settings.noise.corner_px;
   state.counters["failures"] = count_of(trials, &TrialErrors::has_failed);
   state.counters["refused"] = count_of(trials, &TrialErrors::is_refused);
   state.counters["turned"] = count_of(trials, &TrialErrors::is_turned);
@@ -103,27 +115,59 @@ void bench_board(benchmark::State& state, const PlannedBoard& board) {
   return true;
 }();
 
+/// The bank that the environment names; without one a word on the terminal.
+std::shared_ptr<const CornerBank> bank_of_environment() {
+  const char* file = std::getenv("GLINT_CORNER_BANK");
+  if (file == nullptr || !std::filesystem::exists(file)) {
+    fmt::print(stderr,
+               "calibrate: corner noise is Gaussian of set size; \"script/bench calibrate bank\" "
+               "renders pictures from whose corners it is drawn\n");
+    return nullptr;
+  }
+  try {
+    const std::vector<BankPicture> pictures = read_corner_bank(file);
+    fmt::print(stderr, "calibrate: corner errors of {} pictures in {}\n", pictures.size(), file);
+    return std::make_shared<const CornerBank>(pictures);
+  } catch (const Error& error) {
+    fmt::print(stderr, "calibrate: {}\n", error.what());
+    std::exit(2);
+  }
+}
+
 /// Rows calibrate/CASE/METHOD; the first row of a case has the time of all its trials.
-[[maybe_unused]] const bool is_registered = [] {
+void register_case(const MonteCarloCase& one) {
   std::vector<std::string> methods = {"glint"};
   for (const HandEyeMethod method : kHandEyeMethods) {
     methods.emplace_back(name_of(method));
   }
-  for (const MonteCarloCase& one : monte_carlo_cases()) {
-    for (const std::string& method : methods) {
-      benchmark::RegisterBenchmark(
-          ("calibrate/" + one.name + "/" + method).c_str(),
-          [one, method](benchmark::State& state) { bench_case(state, one, method); })
-          ->Unit(benchmark::kMillisecond)
-          ->Iterations(1);
-    }
-  }
-  for (const char* name : {"mid", "poses20", "small_rotations", "flips10_stamps10"}) {
-    const MonteCarloCase one = monte_carlo_case(name);
-    benchmark::RegisterBenchmark(("calibrate/coverage/" + one.name).c_str(),
-                                 [one](benchmark::State& state) { bench_coverage(state, one); })
+  for (const std::string& method : methods) {
+    benchmark::RegisterBenchmark(
+        ("calibrate/" + one.name + "/" + method).c_str(),
+        [one, method](benchmark::State& state) { bench_case(state, one, method); })
         ->Unit(benchmark::kMillisecond)
         ->Iterations(1);
+  }
+}
+
+void register_coverage(const MonteCarloCase& one) {
+  benchmark::RegisterBenchmark(("calibrate/coverage/" + one.name).c_str(),
+                               [one](benchmark::State& state) { bench_coverage(state, one); })
+      ->Unit(benchmark::kMillisecond)
+      ->Iterations(1);
+}
+
+[[maybe_unused]] const bool is_registered = [] {
+  for (const MonteCarloCase& one : monte_carlo_cases()) {
+    register_case(one);
+  }
+  for (const char* name : {"mid", "poses20", "small_rotations", "flips10_stamps10"}) {
+    register_coverage(monte_carlo_case(name));
+  }
+  if (const auto bank = bank_of_environment()) {
+    for (const MonteCarloCase& one : bank_cases(bank)) {
+      register_case(one);
+      register_coverage(one);
+    }
   }
   return true;
 }();

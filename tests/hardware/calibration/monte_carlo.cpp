@@ -21,6 +21,13 @@ namespace {
 constexpr double kQuantile2 = 5.991;
 constexpr double kQuantile3 = 7.815;
 
+/// At f/4, of a sensor as the gallery's calibrate_camera has it.
+constexpr CornerBlur kCellBlur = {.aperture_mm = kCellFocalMm / 4.0,
+                                  .focus_mm = kCellFocusMm,
+                                  .image_distance_mm = kCellImageDistanceMm,
+                                  .pixel_mm = kCellPixelMm,
+                                  .sensor_px = 0.4};
+
 NoiseSizes noise(double corner_px, double robot_mm, double robot_deg) {
   return {.corner_px = corner_px, .robot_rad = robot_deg * kRadPerDeg, .robot_mm = robot_mm};
 }
@@ -169,6 +176,20 @@ std::vector<MonteCarloCase> monte_carlo_cases() {
           {"flips10", {.flipped_share = 0.1}},
           {"stamps10", {.wrong_share = 0.1}},
           {"flips10_stamps10", {.flipped_share = 0.1, .wrong_share = 0.1}}};
+}
+
+std::vector<MonteCarloCase> bank_cases(const std::shared_ptr<const CornerBank>& bank) {
+  std::vector<MonteCarloCase> cases;
+  for (const char* name : {"mid", "poses20", "small_rotations", "flips10_stamps10"}) {
+    MonteCarloCase one = monte_carlo_case(name);
+    one.name = "bank_" + one.name;
+    one.settings.corner_error = [bank](double depth_mm, const Eigen::Vector2d& row_px, Rng& rng) {
+      const double turn_deg = turn_on_pixels_deg(Eigen::Vector2d::Zero(), row_px);
+      return bank->draw(kCellBlur.sigma_px(depth_mm), turn_deg, rng);
+    };
+    cases.push_back(std::move(one));
+  }
+  return cases;
 }
 
 MonteCarloCase monte_carlo_case(std::string_view name) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,6 +16,7 @@
 
 #include "core/median.h"
 #include "core/thread_pool.h"
+#include "tests/hardware/calibration/corner_bank.h"
 #include "tests/hardware/calibration/simulated_cell.h"
 
 namespace glint {
@@ -26,6 +28,10 @@ struct MonteCarloCase {
 };
 
 std::vector<MonteCarloCase> monte_carlo_cases();
+
+/// Cases of the reference's "mid" errors of the robot whose corners have the errors of a bank, by
+/// names that begin with "bank_".
+std::vector<MonteCarloCase> bank_cases(const std::shared_ptr<const CornerBank>& bank);
 
 /// The case of that name. @throws std::out_of_range when there is none
 MonteCarloCase monte_carlo_case(std::string_view name);

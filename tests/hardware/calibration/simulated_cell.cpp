@@ -16,11 +16,10 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kFocus = 146.0;
 const Vector3d kMiddle(29.7, 23.1, 0.0);
 
 LensVector cell_lens() {
-  const double focal = 1.0 / (1.0 / 12.0 - 1.0 / kFocus) / 3.45e-3;
+  const double focal = kCellImageDistanceMm / kCellPixelMm;
   LensVector lens;
   lens << 1.002 * focal, 0.999 * focal, 1240.3, 1009.8, -0.11, 0.16, 0.0, 1.0e-3, -8e-4;
   return lens;
@@ -45,7 +44,7 @@ Isometry3d random_view(const CellSettings& s, Rng& rng) {
   const double tilt_x = s.tilt_x_deg * kDegree * rng.uniform(-1.0, 1.0);
   const double tilt_y = s.tilt_y_deg * kDegree * rng.uniform(-1.0, 1.0);
   const double roll = s.roll_deg * kDegree * rng.uniform(-1.0, 1.0);
-  const double distance = kFocus + s.distance_mm * rng.uniform(-1.0, 1.0);
+  const double distance = kCellFocusMm + s.distance_mm * rng.uniform(-1.0, 1.0);
   const double x = s.spread_mm * rng.uniform(-1.0, 1.0);
   const Vector3d target = kMiddle + Vector3d(x, s.spread_mm * rng.uniform(-1.0, 1.0), 0.0);
   Isometry3d pose = Isometry3d::Identity();
@@ -76,12 +75,44 @@ Isometry3d flange_of(Mounting mounting, const HandEye& poses, const Isometry3d& 
              : poses.hand_eye * camera_from_board * poses.board.inverse();
 }
 
+/// Moves the corners of a picture. @return sum of the squared distances
+double add_errors(const CornerError& error_at,
+                  const Isometry3d& camera_from_board,
+                  BoardCorners& corners,
+                  Rng& rng) {
+  const Vector2d row = corners.picture_px[39] - corners.picture_px[30];  // the fourth of eight
+  double squares = 0.0;
+  for (std::size_t i = 0; i < corners.board_mm.size(); ++i) {
+    const double depth = (camera_from_board * corners.board_mm[i]).z();
+    const Vector2d error = error_at(depth, row, rng);
+    corners.picture_px[i] += error;
+    squares += error.squaredNorm();
+  }
+  return squares;
+}
+
+/// Errors of CellSettings::corner_error, whose size the cell is told.
+void add_given_errors(SimulatedCell& cell, Rng& rng) {
+  double squares = 0.0;
+  std::size_t corners = 0;
+  for (std::size_t i = 0; i < cell.pictures.size(); ++i) {
+    const Isometry3d seen =
+        camera_from_board(cell.settings.mounting, cell.poses, cell.true_base_from_flange[i]);
+    squares += add_errors(cell.settings.corner_error, seen, cell.pictures[i], rng);
+    corners += cell.pictures[i].board_mm.size();
+  }
+  cell.settings.noise.corner_px = std::sqrt(squares / (2.0 * static_cast<double>(corners)));
+}
+
 void add_noise(SimulatedCell& cell, Rng& rng) {
   const NoiseSizes& noise = cell.settings.noise;
   for (std::size_t i = 0; i < cell.pictures.size(); ++i) {
     Vector6d error;
     error << noise.robot_rad * normal3(rng), noise.robot_mm * normal3(rng);
     cell.base_from_flange.push_back(cell.true_base_from_flange[i] * motion_of(error).inverse());
+    if (cell.settings.corner_error) {
+      continue;
+    }
     for (Vector2d& pixel : cell.pictures[i].picture_px) {
       const double x = noise.corner_px * rng.normal();
       pixel += Vector2d(x, noise.corner_px * rng.normal());
@@ -157,6 +188,9 @@ SimulatedCell simulate_cell(const CellSettings& settings, std::uint64_t seed) {
     }
   }
   add_noise(cell, rng);
+  if (settings.corner_error) {
+    add_given_errors(cell, rng);
+  }
   if (settings.shared_px > 0.0) {
     add_shared_errors(cell, rng);
   }

@@ -5,11 +5,19 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
+#include "core/rng.h"
 #include "hardware/calibration/hand_eye_calibration.h"
 
 namespace glint {
+
+/// The error of a corner, px.
+/// @param depth_mm  of the corner, along the optical axis
+/// @param row_px    from one corner of the board's middle row to another, in the picture
+using CornerError =
+    std::function<Eigen::Vector2d(double depth_mm, const Eigen::Vector2d& row_px, Rng& rng)>;
 
 /// How the pictures are taken and what is wrong with them. Defaults: the reference's "mid" noise.
 struct CellSettings {
@@ -26,6 +34,9 @@ struct CellSettings {
   double shared_px = 0.0;
   double flipped_share = 0.0;  ///< pictures whose board is detected upside down, never the first
   double wrong_share = 0.0;    ///< pictures with the robot pose of the next one
+  /// In place of Gaussian errors of the size noise.corner_px; of the simulated cell that is then
+  /// the root mean square of the errors along one axis. Empty: Gaussian.
+  CornerError corner_error = {};
 };
 
 /// Measurements and truth.
@@ -42,6 +53,12 @@ struct SimulatedCell {
 
 inline constexpr int kCellWidth = 2448;
 inline constexpr int kCellHeight = 2050;
+inline constexpr double kCellFocalMm = 12.0;   ///< of the lens
+inline constexpr double kCellFocusMm = 146.0;  ///< the depth that is sharp
+inline constexpr double kCellPixelMm = 3.45e-3;
+
+/// From the lens to the sensor.
+inline constexpr double kCellImageDistanceMm = 1.0 / (1.0 / kCellFocalMm - 1.0 / kCellFocusMm);
 
 /// 10 x 8 inner corners of 6.6 mm: looks the same after half a turn.
 std::vector<Eigen::Vector3d> cell_board();

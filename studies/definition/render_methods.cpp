@@ -300,4 +300,100 @@ SceneSettings repeated_settings(SceneSettings scene, int index) {
   return scene;
 }
 
+std::string reflections_text(const PathSettings& paths) {
+  return fmt::format(
+      "{} reflection{}", paths.max_reflections, paths.max_reflections == 1 ? "" : "s");
+}
+
+namespace {
+
+constexpr const char* kHomogeneityNote =
+    "Homogeneity is scored on pixels wholly on the part, eroded, without the surroundings of the "
+    "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.";
+
+std::vector<std::string> path_method_notes(const PathSettings& paths) {
+  return {
+      fmt::format("Light transport: path tracing with {} samples per pixel and at most {} on the "
+                  "part; pictures of all lights at power 1 are rendered once per part, camera "
+                  "and position of the lights; powers are factors.",
+                  paths.samples,
+                  reflections_text(paths)),
+      kHomogeneityNote,
+      fmt::format("Standard errors (scores that end in .error) come from the scatter of {} "
+                  "independent pictures. All designs share the same random numbers.",
+                  paths.batches)};
+}
+
+/// @param rays        what is traced
+/// @param integrated  what is done between the rays
+/// @param finer       what re-scoring looks at: rescoring_settings()
+std::vector<std::string> mirror_method_notes(const std::string& rays,
+                                             const std::string& integrated,
+                                             const std::string& finer) {
+  return {
+      fmt::format("Light transport: perfect mirror, {} traced once per part, camera and defects; "
+                  "every lighting is evaluated along the kept rays{}.",
+                  rays,
+                  integrated),
+      kHomogeneityNote,
+      fmt::format("All designs share the same noise (common random numbers). Re-scored numbers use "
+                  "fresh noise and {}.",
+                  finer)};
+}
+
+std::vector<std::string> blurred_method_notes(int rays_per_axis) {
+  const int rays = rays_per_axis * rays_per_axis;
+  return {
+      fmt::format("Light transport: blurred reflections, the lobe of rough metal summed without "
+                  "noise around {} ray{} per pixel; light is reflected once by the part, whose "
+                  "light never falls on the part again.",
+                  rays,
+                  rays == 1 ? "" : "s"),
+      kHomogeneityNote,
+      fmt::format("All designs share the same noise (common random numbers). Re-scored numbers "
+                  "use fresh noise and {} rays per pixel.",
+                  4 * rays)};
+}
+
+std::vector<std::string> direct_method_notes(const SceneSettings& scene) {
+  const int rays = scene.render.rays_per_axis * scene.render.rays_per_axis;
+  const int finer_axis = rescoring_settings(scene).render.rays_per_axis;
+  return {
+      fmt::format("Light transport: direct light of lamps on rough metal, summed without noise at "
+                  "{} ray{} per pixel and more where they differ; light that the part reflects "
+                  "onto itself is left out.",
+                  rays,
+                  rays == 1 ? "" : "s"),
+      kHomogeneityNote,
+      fmt::format("Scores have no standard error of rendering. All designs share the same noise of "
+                  "the sensor; re-scored numbers use fresh noise and {} rays per pixel.",
+                  finer_axis * finer_axis)};
+}
+
+}  // namespace
+
+std::vector<std::string> method_notes(const SceneSettings& scene) {
+  if (is_direct(scene)) {
+    return direct_method_notes(scene);
+  }
+  if (needs_paths(scene)) {
+    return path_method_notes(scene.paths);
+  }
+  if (is_blurred(scene)) {
+    return blurred_method_notes(scene.render.rays_per_axis);
+  }
+  const RenderSettings& render = scene.render;
+  if (render.method == RenderSettings::Method::kSampled) {
+    const int rays = render.rays_per_axis * render.rays_per_axis;
+    return mirror_method_notes(
+        fmt::format("{} rays per pixel", rays), "", fmt::format("{} rays per pixel", 4 * rays));
+  }
+  return mirror_method_notes(
+      fmt::format("one ray per pixel and the pixel's footprint around it, with more rays where "
+                  "directions deviate by more than {:g} mrad,",
+                  render.max_direction_error_rad * 1e3),
+      ", stripes and edges of the light integrated in closed form",
+      "all frames, with directions four times as accurate");
+}
+
 }  // namespace glint

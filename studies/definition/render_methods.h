@@ -63,4 +63,10 @@ SceneSettings coarse_settings(SceneSettings scene);
 /// is scored repeatedly. Scenes that differ in their lighting share the noise of a number.
 SceneSettings repeated_settings(SceneSettings scene, int index);
 
+/// "2 reflections", "1 reflection": those that are followed.
+std::string reflections_text(const PathSettings& paths);
+
+/// How pictures and scores of the scene's designs come about, as a report tells it once for all.
+std::vector<std::string> method_notes(const SceneSettings& scene);
+
 }  // namespace glint

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <type_traits>
+#include <utility>
 #include <variant>
 
 #include <fmt/format.h>
@@ -100,19 +102,20 @@ std::vector<std::string> mount_notes(const SceneSettings& scene) {
 }
 
 /// Whether the scan gives every lit pixel the same number of bright positions, and what that means.
-std::string scan_note(const SceneSettings& scene) {
+SceneNote scan_note(const SceneSettings& scene) {
   const TunnelSettings& tunnel = scene.tunnel;
   const double bright = scene.scan.positions * tunnel.duty;
   const double periods = scene.scan.positions * scan_step_mm(scene.scan, tunnel) *
                          std::cos(tunnel.orientation_rad) / tunnel.period_mm;
   const auto is_whole = [](double value) { return std::abs(value - std::round(value)) < 1e-9; };
   if (!is_whole(periods) || !is_whole(bright)) {
-    return fmt::format(
-        "{} positions x duty {:g} over {:g} periods is not a whole number of bright positions over "
-        "whole periods: the flawless surface itself shows a ripple.",
-        scene.scan.positions,
-        tunnel.duty,
-        periods);
+    return {.kind = NoteKind::kRipple,
+            .text = fmt::format("{} positions x duty {:g} over {:g} periods is not a whole number "
+                                "of bright positions over whole periods: the flawless surface "
+                                "itself shows a ripple.",
+                                scene.scan.positions,
+                                tunnel.duty,
+                                periods)};
   }
   std::string note = fmt::format(
       "{} positions x duty {:g} is a whole number of bright positions over whole periods: where "
@@ -123,12 +126,7 @@ std::string scan_note(const SceneSettings& scene) {
   if (tunnel.led_ripple > 0.0 || tunnel.end_falloff > 0.0 || tunnel.cosine_law) {
     note += " and to the uneven brightness of the wall in this scene";
   }
-  return note + ".";
-}
-
-std::string reflections_text(const PathSettings& paths) {
-  return fmt::format(
-      "{} reflection{}", paths.max_reflections, paths.max_reflections == 1 ? "" : "s");
+  return {.text = note + "."};
 }
 
 std::string rendering_note(const SceneSettings& scene) {
@@ -199,69 +197,6 @@ std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& sc
   return notes;
 }
 
-constexpr const char* kHomogeneityNote =
-    "Homogeneity is scored on pixels wholly on the part, eroded, without the surroundings of the "
-    "defects; h_rms = 1 - standard deviation / mean, h_abs = 1 - mean absolute deviation / mean.";
-
-std::vector<std::string> path_method_notes(const PathSettings& paths) {
-  return {
-      fmt::format("Light transport: path tracing with {} samples per pixel and at most {} on the "
-                  "part; pictures of all lights at power 1 are rendered once per part, camera "
-                  "and position of the lights; powers are factors.",
-                  paths.samples,
-                  reflections_text(paths)),
-      kHomogeneityNote,
-      fmt::format("Standard errors (scores that end in .error) come from the scatter of {} "
-                  "independent pictures. All designs share the same random numbers.",
-                  paths.batches)};
-}
-
-/// @param rays        what is traced
-/// @param integrated  what is done between the rays
-/// @param finer       what re-scoring looks at: rescoring_settings()
-std::vector<std::string> mirror_method_notes(const std::string& rays,
-                                             const std::string& integrated,
-                                             const std::string& finer) {
-  return {
-      fmt::format("Light transport: perfect mirror, {} traced once per part, camera and defects; "
-                  "every lighting is evaluated along the kept rays{}.",
-                  rays,
-                  integrated),
-      kHomogeneityNote,
-      fmt::format("All designs share the same noise (common random numbers). Re-scored numbers use "
-                  "fresh noise and {}.",
-                  finer)};
-}
-
-std::vector<std::string> blurred_method_notes(int rays_per_axis) {
-  const int rays = rays_per_axis * rays_per_axis;
-  return {
-      fmt::format("Light transport: blurred reflections, the lobe of rough metal summed without "
-                  "noise around {} ray{} per pixel; light is reflected once by the part, whose "
-                  "light never falls on the part again.",
-                  rays,
-                  rays == 1 ? "" : "s"),
-      kHomogeneityNote,
-      fmt::format("All designs share the same noise (common random numbers). Re-scored numbers "
-                  "use fresh noise and {} rays per pixel.",
-                  4 * rays)};
-}
-
-std::vector<std::string> direct_method_notes(const SceneSettings& scene) {
-  const int rays = scene.render.rays_per_axis * scene.render.rays_per_axis;
-  const int finer_axis = rescoring_settings(scene).render.rays_per_axis;
-  return {
-      fmt::format("Light transport: direct light of lamps on rough metal, summed without noise at "
-                  "{} ray{} per pixel and more where they differ; light that the part reflects "
-                  "onto itself is left out.",
-                  rays,
-                  rays == 1 ? "" : "s"),
-      kHomogeneityNote,
-      fmt::format("Scores have no standard error of rendering. All designs share the same noise of "
-                  "the sensor; re-scored numbers use fresh noise and {} rays per pixel.",
-                  finer_axis * finer_axis)};
-}
-
 }  // namespace
 
 std::vector<std::string> light_lines(const SceneSettings& scene) {
@@ -298,22 +233,23 @@ std::string scan_line(const SceneSettings& scene) {
 namespace {
 
 /// Warnings where glint stability found scores beyond its bounds (docs/stability.md).
-std::vector<std::string> stability_notes(const SceneSettings& scene, const Scores& scores) {
-  std::vector<std::string> notes;
+std::vector<SceneNote> stability_notes(const SceneSettings& scene, const Scores& scores) {
+  std::vector<SceneNote> notes;
   const auto clipped = scores.find("homogeneity.clipped_share");
   if (clipped != scores.end() && clipped->second > 0.05) {
-    notes.push_back(
-        fmt::format("{:.3g} % of the region is at full scale in every frame: no defect can show "
-                    "there, and h counts it as even.",
-                    100.0 * clipped->second));
+    notes.push_back({.kind = NoteKind::kSaturated,
+                     .text = fmt::format("{:.3g} % of the region is at full scale in every frame: "
+                                         "no defect can show there, and h counts it as even.",
+                                         100.0 * clipped->second)});
   }
   const double min_px = std::min(scene.camera.width_px, scene.camera.height_px);
   if (scene.sensor.blur_px > 0.08 * min_px) {
-    notes.push_back(
-        fmt::format("A blur of {:g} px is wide for a picture of {:g} px: beyond its border the "
-                    "border's pixels are repeated, which a camera does not see.",
-                    scene.sensor.blur_px,
-                    min_px));
+    notes.push_back({.kind = NoteKind::kRepeatedBorder,
+                     .text = fmt::format("A blur of {:g} px is wide for a picture of {:g} px: "
+                                         "beyond its border the border's pixels are repeated, "
+                                         "which a camera does not see.",
+                                         scene.sensor.blur_px,
+                                         min_px)});
   }
   const SensorSettings& sensor = scene.sensor;
   const double noise = sensor.full_well_e > 0.0
@@ -321,10 +257,11 @@ std::vector<std::string> stability_notes(const SceneSettings& scene, const Score
                                         sensor.read_noise_e * sensor.gain / sensor.full_well_e)
                            : 0.0;
   if (noise > 0.04 && !scene.defects.empty()) {
-    notes.push_back(
-        fmt::format("Noise of a frame is {:.2g} % of full scale at half of it: the change of a "
-                    "defect in its best frame holds this noise.",
-                    100.0 * noise));
+    notes.push_back({.kind = NoteKind::kFrameNoise,
+                     .text = fmt::format("Noise of a frame is {:.2g} % of full scale at half of "
+                                         "it: the change of a defect in its best frame holds this "
+                                         "noise.",
+                                         100.0 * noise)});
   }
   return notes;
 }
@@ -354,19 +291,26 @@ std::string fine_stripes_note(const SceneSettings& scene) {
 
 /// How the light of the scene comes about. Lobes of rough metal see the slot and the wall's ends:
 /// there is nothing to say of their scan.
-std::vector<std::string> light_notes(const SceneSettings& scene, const Scores& scores) {
+std::vector<SceneNote> light_notes(const SceneSettings& scene, const Scores& scores) {
   if (needs_paths(scene)) {
-    return path_notes(scene, scores);
+    std::vector<SceneNote> notes;
+    for (std::string& text : path_notes(scene, scores)) {
+      notes.push_back({.text = std::move(text)});
+    }
+    return notes;
   }
-  return is_blurred(scene) ? std::vector<std::string>() : std::vector{scan_note(scene)};
+  return is_blurred(scene) ? std::vector<SceneNote>() : std::vector{scan_note(scene)};
 }
 
 }  // namespace
 
-std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores) {
-  std::vector<std::string> notes = light_notes(scene, scores);
+std::vector<SceneNote> scene_notes(const SceneSettings& scene, const Scores& scores) {
+  std::vector<SceneNote> notes = light_notes(scene, scores);
+  const auto add = [&](NoteKind kind, std::string text) {
+    notes.push_back({.kind = kind, .text = std::move(text)});
+  };
   if (scene.is_tunnel_guessed) {
-    notes.push_back(
+    add(NoteKind::kScene,
         fmt::format("[lighting.{}] has no type, so it is read as a tunnel.", scene.tunnel_name));
   }
   const auto share_of = [&](const char* name) {
@@ -374,58 +318,44 @@ std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& s
     return found == scores.end() ? 0.0 : found->second;
   };
   if (share_of("view.hidden_share") > 0.0) {
-    notes.push_back(fmt::format(
-        "The wall occludes {:.3g} % of the part from the camera: the slot is too narrow "
-        "there; occluded pixels are dark.",
-        100.0 * share_of("view.hidden_share")));
+    add(NoteKind::kOccluded,
+        fmt::format(
+            "The wall occludes {:.3g} % of the part from the camera: the slot is too narrow "
+            "there; occluded pixels are dark.",
+            100.0 * share_of("view.hidden_share")));
   }
   if (share_of("rays.followed_share") + share_of("rays.blocked_share") > 0.0) {
-    notes.push_back(
+    add(NoteKind::kScene,
         fmt::format("{:.3f} % of the rays hit the part again and were followed, {:.3f} % were "
                     "given up as dark.",
                     100.0 * share_of("rays.followed_share"),
                     100.0 * share_of("rays.blocked_share")));
   }
   if (const double cells = share_of("rays.max_cells"); cells > 0.0) {
-    notes.push_back(fmt::format(
-        "The part is bent within so many pixels that each has at most {0:g} x {0:g} cells beyond "
-        "the reach of defects, where up to 16 x 16 are usual: a smaller picture or a smoother mesh "
-        "is rendered more exactly.",
-        cells));
+    add(NoteKind::kCoarseCells,
+        fmt::format("The part is bent within so many pixels that each has at most {0:g} x {0:g} "
+                    "cells beyond "
+                    "the reach of defects, where up to 16 x 16 are usual: a smaller picture or a "
+                    "smoother mesh "
+                    "is rendered more exactly.",
+                    cells));
   }
-  const std::vector<std::string> warnings = stability_notes(scene, scores);
+  const std::vector<SceneNote> warnings = stability_notes(scene, scores);
   notes.insert(notes.end(), warnings.begin(), warnings.end());
-  if (const std::string fine = fine_stripes_note(scene); !fine.empty()) {
-    notes.push_back(fine);
+  if (std::string fine = fine_stripes_note(scene); !fine.empty()) {
+    add(NoteKind::kFineStripes, std::move(fine));
   }
   if (scene.tunnel.cosine_law) {
-    notes.emplace_back("The cosine law is applied to the wall's radiance (compatibility option).");
+    add(NoteKind::kScene,
+        "The cosine law is applied to the wall's radiance (compatibility option).");
   }
   return notes;
 }
 
-std::vector<std::string> method_notes(const SceneSettings& scene) {
-  if (is_direct(scene)) {
-    return direct_method_notes(scene);
-  }
-  if (needs_paths(scene)) {
-    return path_method_notes(scene.paths);
-  }
-  if (is_blurred(scene)) {
-    return blurred_method_notes(scene.render.rays_per_axis);
-  }
-  const RenderSettings& render = scene.render;
-  if (render.method == RenderSettings::Method::kSampled) {
-    const int rays = render.rays_per_axis * render.rays_per_axis;
-    return mirror_method_notes(
-        fmt::format("{} rays per pixel", rays), "", fmt::format("{} rays per pixel", 4 * rays));
-  }
-  return mirror_method_notes(
-      fmt::format("one ray per pixel and the pixel's footprint around it, with more rays where "
-                  "directions deviate by more than {:g} mrad,",
-                  render.max_direction_error_rad * 1e3),
-      ", stripes and edges of the light integrated in closed form",
-      "all frames, with directions four times as accurate");
+std::vector<std::string> note_texts(std::span<const SceneNote> notes) {
+  std::vector<std::string> texts;
+  std::ranges::transform(notes, std::back_inserter(texts), &SceneNote::text);
+  return texts;
 }
 
 }  // namespace glint

@@ -3,6 +3,7 @@
 // Sentences about how a scene is lit and rendered, for reports and drawings.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,32 @@ std::vector<std::string> light_lines(const SceneSettings& scene);
 /// How many images the tunnel's scan takes; empty without a tunnel.
 std::string scan_line(const SceneSettings& scene);
 
-/// Remarks on a scene that a reader of its numbers must know.
-/// @param scores  of the scene
-std::vector<std::string> scene_notes(const SceneSettings& scene, const Scores& scores);
+/// What a note tells of the numbers beside it.
+enum class NoteKind {
+  kScene,           ///< how the scene is lit and rendered: nothing is wrong
+  kRipple,          ///< the scan leaves a ripple on the flawless surface
+  kOccluded,        ///< the tunnel's wall occludes pixels, which are dark
+  kSaturated,       ///< pixels are at full scale in every frame
+  kRepeatedBorder,  ///< a wide blur repeats the pixels of the border
+  kCoarseCells,     ///< pixels of a strongly bent part have few cells
+  kFrameNoise,      ///< the change of a defect in its best frame holds the noise of a frame
+  kFineStripes,     ///< stripes that pixels cannot separate
+  kDefectStripes,   ///< the same, in the middle of a defect
+  kNarrowDefect     ///< a defect is hardly wider than a pixel
+};
 
-/// How pictures and scores of the scene's designs come about, as a report tells it once for all.
-std::vector<std::string> method_notes(const SceneSettings& scene);
+/// Remark on a scene that a reader of its numbers must know.
+struct SceneNote {
+  NoteKind kind = NoteKind::kScene;
+  std::string text;  ///< sentences
+
+  bool operator==(const SceneNote&) const = default;
+};
+
+/// @param scores  of the scene
+std::vector<SceneNote> scene_notes(const SceneSettings& scene, const Scores& scores);
+
+/// What reports and files show of notes.
+std::vector<std::string> note_texts(std::span<const SceneNote> notes);
 
 }  // namespace glint

@@ -247,7 +247,7 @@ std::string drawing_svg(const SceneSettings& scene,
 std::vector<std::string> notes_of(const SceneSettings& scene,
                                   const Scores& scores,
                                   const SceneLamps& lamps) {
-  std::vector<std::string> notes = scene_notes(scene, scores);
+  std::vector<std::string> notes = note_texts(scene_notes(scene, scores));
   std::ranges::copy(lamps.warnings(), std::back_inserter(notes));
   return notes;
 }

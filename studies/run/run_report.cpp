@@ -16,6 +16,7 @@
 #include "core/text.h"
 #include "core/units.h"
 #include "studies/accuracy/accuracy_panel.h"
+#include "studies/definition/render_methods.h"
 #include "studies/definition/scene_notes.h"
 #include "studies/front/front_page.h"
 #include "studies/output/provenance.h"

@@ -15,29 +15,29 @@ constexpr std::string_view kMean = "mean";
 
 const std::vector<NoteCoverage>& note_coverages() {
   static const std::vector<NoteCoverage> coverages = {
-      {"the flawless surface itself shows a ripple", {kHPoints, kPicture, kMean}},
-      {"occluded pixels are dark", {kHPoints, kPicture, kMean}},
-      {"no defect can show there, and h counts it as even", {kHPoints, kContrast}},
-      {"the border's pixels are repeated", {kHPoints, kContrast, kPicture, kMean}},
-      {"a smoother mesh is rendered more exactly", {kHPoints, kContrast, kPicture, kMean}},
-      {"the change of a defect in its best frame holds this noise", {kContrast}},
-      {"what changes in them by a defect are uncertain", {kContrast}},
-      {"what changes in frames by these defects is uncertain", {kContrast}},
-      {"Scores of such a defect depend on where the pixels happen to lie", {kContrast}},
+      {NoteKind::kRipple, {kHPoints, kPicture, kMean}},
+      {NoteKind::kOccluded, {kHPoints, kPicture, kMean}},
+      {NoteKind::kSaturated, {kHPoints, kContrast}},
+      {NoteKind::kRepeatedBorder, {kHPoints, kContrast, kPicture, kMean}},
+      {NoteKind::kCoarseCells, {kHPoints, kContrast, kPicture, kMean}},
+      {NoteKind::kFrameNoise, {kContrast}},
+      {NoteKind::kFineStripes, {kContrast}},
+      {NoteKind::kDefectStripes, {kContrast}},
+      {NoteKind::kNarrowDefect, {kContrast}},
   };
   return coverages;
 }
 
-std::string told_of(std::string_view quantity, std::span<const std::string> notes) {
-  std::string told;
-  for (const std::string& note : notes) {
+std::vector<std::string> told_of(std::string_view quantity, std::span<const SceneNote> notes) {
+  std::vector<std::string> told;
+  for (const SceneNote& note : notes) {
     const bool is_covered =
         std::ranges::any_of(note_coverages(), [&](const NoteCoverage& coverage) {
-          return note.find(coverage.words) != std::string::npos &&
+          return coverage.kind == note.kind &&
                  std::ranges::find(coverage.quantities, quantity) != coverage.quantities.end();
         });
     if (is_covered) {
-      told += (told.empty() ? "" : " ") + note;
+      told.push_back(note.text);
     }
   }
   return told;

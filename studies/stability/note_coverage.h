@@ -9,18 +9,20 @@
 #include <string_view>
 #include <vector>
 
+#include "studies/definition/scene_notes.h"
+
 namespace glint::stability {
 
 /// A kind of note, and the quantities of a cell (CellError::quantity) that it tells may be wrong.
 struct NoteCoverage {
-  std::string_view words;  ///< that every note of the kind has, and no other one
+  NoteKind kind = NoteKind::kScene;
   std::vector<std::string_view> quantities;
 };
 
 /// All notes that tell of an error. Any other one describes the scene.
 const std::vector<NoteCoverage>& note_coverages();
 
-/// Those of the notes that tell that the quantity may be wrong, with a blank in between.
-std::string told_of(std::string_view quantity, std::span<const std::string> notes);
+/// Texts of those of the notes that tell that the quantity may be wrong.
+std::vector<std::string> told_of(std::string_view quantity, std::span<const SceneNote> notes);
 
 }  // namespace glint::stability

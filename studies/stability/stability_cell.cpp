@@ -2,15 +2,16 @@
 #include "studies/stability/stability_cell.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "core/units.h"
 #include "studies/definition/render_methods.h"
-#include "studies/definition/scene_notes.h"
 #include "studies/imaging/defect_windows.h"
 #include "studies/stability/note_coverage.h"
 #include "studies/stability/reference/reference_light.h"
@@ -107,15 +108,6 @@ bool is_doubtful(const CellError& error) {
   return error.error > kDoubtful * error.bound;
 }
 
-/// Letters alone: the same remark with other numbers is the same.
-std::string letters_of(const std::string& text) {
-  std::string letters;
-  std::ranges::copy_if(text, std::back_inserter(letters), [](char c) {
-    return std::isalpha(static_cast<unsigned char>(c)) != 0;
-  });
-  return letters;
-}
-
 /// Whether the program tells a standard error beside the score that covers the error.
 std::string standard_error_told(const Outcome& outcome, const CellError& error) {
   const double told = score_of(outcome.evaluation, "homogeneity.h_rms.error");
@@ -159,22 +151,21 @@ Outcome evaluated(SceneStore& store, const ConfigNode& root) {
   Outcome outcome{.evaluation = evaluate(store, scene), .scene = scene};
   outcome.notes = scene_notes(scene, outcome.evaluation.scores);
   const TracedScene& traced = *outcome.evaluation.traced;
-  for (const std::string& note :
-       {narrow_defects_note(traced, scene), defect_stripes_note(traced, scene)}) {
-    if (!note.empty()) {
+  for (const SceneNote& note :
+       {SceneNote{NoteKind::kNarrowDefect, narrow_defects_note(traced, scene)},
+        SceneNote{NoteKind::kDefectStripes, defect_stripes_note(traced, scene)}}) {
+    if (!note.text.empty()) {
       outcome.notes.push_back(note);
     }
   }
   return outcome;
 }
 
-std::vector<std::string> notes_beside(const Outcome& outcome, const Outcome* harmless) {
-  std::vector<std::string> notes;
-  for (const std::string& note : outcome.notes) {
-    const auto is_same = [&](const std::string& other) {
-      return letters_of(other) == letters_of(note);
-    };
-    if (harmless != nullptr && std::ranges::none_of(harmless->notes, is_same)) {
+std::vector<SceneNote> notes_beside(const Outcome& outcome, const Outcome* harmless) {
+  std::vector<SceneNote> notes;
+  for (const SceneNote& note : outcome.notes) {
+    if (harmless != nullptr &&
+        std::ranges::find(harmless->notes, note.kind, &SceneNote::kind) == harmless->notes.end()) {
       notes.push_back(note);
     }
   }
@@ -236,25 +227,28 @@ std::vector<CellError> errors_of_bar(const Outcome& outcome, const Bounds& bound
 }
 
 void judge(const Outcome& outcome, const Outcome* harmless, Cell& cell) {
-  const std::vector<std::string> notes = notes_beside(outcome, harmless);
+  const std::vector<SceneNote> notes = notes_beside(outcome, harmless);
   cell.verdict = Verdict::kRight;
-  cell.message.clear();
+  std::vector<std::string> messages;  // each once
   for (const CellError& error : cell.errors) {
     if (error.error - error.uncertainty <= error.bound) {
       continue;
     }
-    const std::string noted = told_of(error.quantity, notes);
-    const std::string told = noted.empty() ? standard_error_told(outcome, error) : noted;
+    std::vector<std::string> told = told_of(error.quantity, notes);
+    if (std::string own = standard_error_told(outcome, error); told.empty() && !own.empty()) {
+      told.push_back(std::move(own));
+    }
     if (told.empty()) {
       cell.verdict = Verdict::kWrong;
       cell.message.clear();
       return;
     }
     cell.verdict = Verdict::kTold;
-    if (cell.message.find(told) == std::string::npos) {
-      cell.message += (cell.message.empty() ? "" : " ") + told;
-    }
+    std::ranges::copy_if(told, std::back_inserter(messages), [&](const std::string& text) {
+      return std::ranges::find(messages, text) == messages.end();
+    });
   }
+  cell.message = join(messages, " ");
 }
 
 }  // namespace glint::stability

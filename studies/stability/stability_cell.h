@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "studies/definition/scene_notes.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/imaging/scene_store.h"
 #include "studies/stability/stability_sweeps.h"
@@ -59,14 +60,14 @@ const CellError* worst_of(const Cell& cell);
 struct Outcome {
   Evaluation evaluation;
   SceneSettings scene;
-  std::vector<std::string> notes;
+  std::vector<SceneNote> notes;
 };
 
 /// Reads, checks and evaluates a scene as `glint check` does. @throws ConfigError, IoError
 Outcome evaluated(SceneStore& store, const ConfigNode& root);
 
-/// Notes on this outcome that the harmless one does not have, numbers aside.
-std::vector<std::string> notes_beside(const Outcome& outcome, const Outcome* harmless);
+/// Notes on this outcome of kinds that the harmless one has none of.
+std::vector<SceneNote> notes_beside(const Outcome& outcome, const Outcome* harmless);
 
 /// A scene under a tunnel against the reference tracer. @throws ConfigError
 std::vector<CellError> errors_of_tunnel(const Outcome& outcome, const Bounds& bounds);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/units.h"
+#include "studies/definition/render_methods.h"
 
 namespace glint {
 namespace {
@@ -19,6 +20,10 @@ SceneSettings lit_by(std::vector<NamedLight> lights) {
   scene.has_tunnel = false;
   scene.lights = std::move(lights);
   return scene;
+}
+
+std::vector<std::string> texts_of_scene(const SceneSettings& scene, const Scores& scores) {
+  return note_texts(scene_notes(scene, scores));
 }
 
 TEST(LightLines, TellTypeSizeAndPlaceOfEachLight) {
@@ -43,28 +48,29 @@ TEST(LightLines, TellTypeSizeAndPlaceOfEachLight) {
 // The lobes of rough metal see slot and ends: its mean is uneven without any clipping.
 TEST(SceneNotes, PromiseNoEvenMeanOfRoughMetal) {
   SceneSettings scene;
-  EXPECT_THAT(scene_notes(scene, {}), Contains(HasSubstr("the mean of a linear sensor")));
+  EXPECT_THAT(texts_of_scene(scene, {}), Contains(HasSubstr("the mean of a linear sensor")));
   scene.material.type = MaterialSettings::Type::kConductor;
   scene.material.alpha = {0.05};
   scene.render.method = RenderSettings::Method::kBlurred;
-  EXPECT_THAT(scene_notes(scene, {}), Not(Contains(HasSubstr("the mean of a linear sensor"))));
+  EXPECT_THAT(texts_of_scene(scene, {}), Not(Contains(HasSubstr("the mean of a linear sensor"))));
   EXPECT_THAT(method_notes(scene), Contains(HasSubstr("blurred reflections")));
 }
 
 TEST(SceneNotes, TellThatASmoothMirrorShowsTheLightsAlone) {
   const auto has_note = Contains(HasSubstr("is a mirror without roughness"));
   SceneSettings scene = lit_by({{.name = "ring", .settings = RingSettings{}}});
-  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  EXPECT_THAT(texts_of_scene(scene, {}), has_note);
   scene.material.type = MaterialSettings::Type::kConductor;
-  EXPECT_THAT(scene_notes(scene, {}), Not(has_note));
+  EXPECT_THAT(texts_of_scene(scene, {}), Not(has_note));
   scene.material.roughness = 0.0;
-  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  EXPECT_THAT(texts_of_scene(scene, {}), has_note);
   scene.material.alpha = {0.3};
-  EXPECT_THAT(scene_notes(scene, {}), Not(has_note));
+  EXPECT_THAT(texts_of_scene(scene, {}), Not(has_note));
   scene.material = {};
   scene.lights.push_back({.name = "sky", .settings = EnvironmentSettings{}});
-  EXPECT_THAT(scene_notes(scene, {}), Not(has_note)) << "it reflects the surroundings everywhere";
-  EXPECT_THAT(scene_notes(SceneSettings{}, {}), Not(has_note)) << "a tunnel is made for it";
+  EXPECT_THAT(texts_of_scene(scene, {}), Not(has_note))
+      << "it reflects the surroundings everywhere";
+  EXPECT_THAT(texts_of_scene(SceneSettings{}, {}), Not(has_note)) << "a tunnel is made for it";
 }
 
 TEST(SceneNotes, TellThatALightOnThePartMovesWithItsPose) {
@@ -72,14 +78,14 @@ TEST(SceneNotes, TellThatALightOnThePartMovesWithItsPose) {
   bar.placement.mount = LightPlacement::Mount::kPart;
   SceneSettings scene = lit_by({{.name = "bar", .settings = bar}});
   const auto has_note = Contains(HasSubstr("lighting.bar.mount is \"part\""));
-  EXPECT_THAT(scene_notes(scene, {}), Not(has_note)) << "the part stands where it always stood";
+  EXPECT_THAT(texts_of_scene(scene, {}), Not(has_note)) << "the part stands where it always stood";
   scene.part.position_mm = {0.0, 0.0, -20.0};
-  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  EXPECT_THAT(texts_of_scene(scene, {}), has_note);
   scene.part.position_mm = {0.0, 0.0, 0.0};
   scene.part.rotation_rad = {0.0, 0.1, 0.0};
-  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  EXPECT_THAT(texts_of_scene(scene, {}), has_note);
   scene.lights.front().settings = BarSettings{};
-  EXPECT_THAT(scene_notes(scene, {}), Not(has_note)) << "it stays in the scene, as before";
+  EXPECT_THAT(texts_of_scene(scene, {}), Not(has_note)) << "it stays in the scene, as before";
 }
 
 TEST(SceneNotes, TellThatALightWithoutTypeIsReadAsATunnel) {
@@ -88,9 +94,9 @@ TEST(SceneNotes, TellThatALightWithoutTypeIsReadAsATunnel) {
   const auto has_note =
       Contains(HasSubstr("[lighting.left_ring] has no type, so it is read as a "
                          "tunnel"));
-  EXPECT_THAT(scene_notes(scene, {}), Not(has_note));
+  EXPECT_THAT(texts_of_scene(scene, {}), Not(has_note));
   scene.is_tunnel_guessed = true;
-  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  EXPECT_THAT(texts_of_scene(scene, {}), has_note);
 }
 
 // 24 positions over one period at duty 0.5 are 12 bright ones; 25 positions are 12.5.
@@ -98,10 +104,10 @@ TEST(SceneNotes, TellWhetherAScanHasWholeBrightPositions) {
   SceneSettings scene;
   scene.scan.positions = 24;
   scene.tunnel.duty = 0.5;
-  EXPECT_THAT(scene_notes(scene, {}),
+  EXPECT_THAT(texts_of_scene(scene, {}),
               ElementsAre(HasSubstr("24 positions x duty 0.5 is a whole number")));
   scene.scan.positions = 25;
-  EXPECT_THAT(scene_notes(scene, {}),
+  EXPECT_THAT(texts_of_scene(scene, {}),
               ElementsAre(HasSubstr("25 positions x duty 0.5 over 1 periods "
                                     "is not a whole number")));
 }
@@ -109,22 +115,22 @@ TEST(SceneNotes, TellWhetherAScanHasWholeBrightPositions) {
 // The default scene has 1300 x 300 pixels of 0.15 mm, stripes of 16 mm and a blur of 0.7 px.
 TEST(SceneNotes, WarnOfWhatStabilityFoundAndOfNothingElse) {
   SceneSettings scene;
-  EXPECT_EQ(scene_notes(scene, {{"homogeneity.clipped_share", 0.04}}).size(), 1U);
-  EXPECT_THAT(scene_notes(scene, {{"homogeneity.clipped_share", 0.5}}),
+  EXPECT_EQ(texts_of_scene(scene, {{"homogeneity.clipped_share", 0.04}}).size(), 1U);
+  EXPECT_THAT(texts_of_scene(scene, {{"homogeneity.clipped_share", 0.5}}),
               Contains(HasSubstr("50 % of the region is at full scale in every frame")));
   scene.sensor.blur_px = 25.0;  // 0.08 * 300 px = 24
-  EXPECT_THAT(scene_notes(scene, {}), Contains(HasSubstr("A blur of 25 px is wide")));
+  EXPECT_THAT(texts_of_scene(scene, {}), Contains(HasSubstr("A blur of 25 px is wide")));
   scene.sensor.blur_px = 23.0;
-  EXPECT_EQ(scene_notes(scene, {}).size(), 1U);
+  EXPECT_EQ(texts_of_scene(scene, {}).size(), 1U);
   scene.tunnel.period_mm = 0.5;  // 3.3 pixels
-  EXPECT_THAT(scene_notes(scene, {}), Contains(HasSubstr("is 3.3 pixels on the part")));
+  EXPECT_THAT(texts_of_scene(scene, {}), Contains(HasSubstr("is 3.3 pixels on the part")));
   scene.tunnel.period_mm = 16.0;
   scene.sensor.full_well_e = 100.0;  // sqrt(0.5 / 100) = 7.1 %
-  EXPECT_EQ(scene_notes(scene, {}).size(), 1U) << "there is no defect whose change holds it";
+  EXPECT_EQ(texts_of_scene(scene, {}).size(), 1U) << "there is no defect whose change holds it";
   scene.defects = {{"dent", DefectGroup{}}};
-  EXPECT_THAT(scene_notes(scene, {}), Contains(HasSubstr("Noise of a frame is 7.1 %")));
+  EXPECT_THAT(texts_of_scene(scene, {}), Contains(HasSubstr("Noise of a frame is 7.1 %")));
   scene.sensor.full_well_e = 1000.0;  // 2.2 %
-  EXPECT_EQ(scene_notes(scene, {}).size(), 1U);
+  EXPECT_EQ(texts_of_scene(scene, {}).size(), 1U);
 }
 
 // 0.5 % of 16 mm are 0.53 pixels of 0.15 mm.
@@ -132,21 +138,21 @@ TEST(SceneNotes, WarnOfStripesNarrowerThanAPixel) {
   const auto has_note = Contains(HasSubstr("stripes are 0.53 pixels wide on the part"));
   SceneSettings scene;
   scene.tunnel.duty = 0.005;
-  EXPECT_THAT(scene_notes(scene, {}), has_note);
+  EXPECT_THAT(texts_of_scene(scene, {}), has_note);
   scene.tunnel.duty = 0.995;
-  EXPECT_THAT(scene_notes(scene, {}), Contains(HasSubstr("The dark stripes are 0.53 pixels")));
+  EXPECT_THAT(texts_of_scene(scene, {}), Contains(HasSubstr("The dark stripes are 0.53 pixels")));
   for (const double duty : {0.0, 0.01, 0.99, 1.0}) {
     scene.tunnel.duty = duty;
-    EXPECT_THAT(scene_notes(scene, {}), Not(Contains(HasSubstr("pixels wide")))) << duty;
+    EXPECT_THAT(texts_of_scene(scene, {}), Not(Contains(HasSubstr("pixels wide")))) << duty;
   }
 }
 
 TEST(SceneNotes, ListTheLightsOfAPathTracedSceneAndSayWhenItIsDark) {
   const SceneSettings scene = lit_by({{.name = "ring", .settings = RingSettings{}}});
-  const auto notes = scene_notes(scene, {{"homogeneity.mean", 0.0}});
+  const auto notes = texts_of_scene(scene, {{"homogeneity.mean", 0.0}});
   EXPECT_THAT(notes.front(), HasSubstr("Light ring, radii 25 to 40 mm"));
   EXPECT_THAT(notes, Contains(HasSubstr("No light reaches the part")));
-  EXPECT_THAT(scene_notes(scene, {{"homogeneity.mean", 0.1}}),
+  EXPECT_THAT(texts_of_scene(scene, {{"homogeneity.mean", 0.1}}),
               Not(Contains(HasSubstr("No light reaches the part"))));
 }
 
@@ -163,8 +169,8 @@ TEST(MethodNotes, TellWhatRescoringLooksAt) {
 
 TEST(SceneNotes, TellWhereTooManyRaysWereSaved) {
   const auto has_note = ::testing::Contains(::testing::HasSubstr("at most 4 x 4 cells"));
-  EXPECT_THAT(scene_notes(SceneSettings(), {}), ::testing::Not(has_note));
-  EXPECT_THAT(scene_notes(SceneSettings(), {{"rays.max_cells", 4.0}}), has_note);
+  EXPECT_THAT(texts_of_scene(SceneSettings(), {}), ::testing::Not(has_note));
+  EXPECT_THAT(texts_of_scene(SceneSettings(), {{"rays.max_cells", 4.0}}), has_note);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -74,25 +75,26 @@ TEST(Slivers, LeaveAPlateWhatItIs) {
 
 TEST(Judge, CallsAnErrorBeyondItsBoundWrongUnlessItIsTold) {
   Outcome harmless;
-  harmless.notes = {"24 positions"};
+  harmless.notes = {{.text = "24 positions"}, {NoteKind::kRipple, "a ripple over 24 positions."}};
   Outcome outcome;
-  outcome.notes = {"8 positions"};
+  outcome.notes = {{.text = "8 positions"}, {NoteKind::kRipple, "a ripple over 8 positions."}};
   Cell right = cell_with(0.9, 1.0);
   judge(outcome, &harmless, right);
   EXPECT_EQ(right.verdict, Verdict::kRight);
   Cell wrong = cell_with(1.1, 1.0);
   judge(outcome, &harmless, wrong);
-  EXPECT_EQ(wrong.verdict, Verdict::kWrong) << "the same remark with another number tells nothing";
-  outcome.notes.emplace_back("Beyond the border the border's pixels are repeated.");
+  EXPECT_EQ(wrong.verdict, Verdict::kWrong) << "the harmless cell has a ripple, too";
+  outcome.notes.push_back({NoteKind::kRepeatedBorder, "the border's pixels are repeated."});
   judge(outcome, &harmless, wrong);
   EXPECT_EQ(wrong.verdict, Verdict::kTold);
-  EXPECT_EQ(wrong.message, outcome.notes.back());
+  EXPECT_EQ(wrong.message, outcome.notes.back().text);
 }
 
 TEST(Judge, ANoteCoversTheQuantitiesOfItsKindAlone) {
   const Outcome harmless;
   Outcome outcome;
-  outcome.notes = {"Light ring, radii 25 to 40 mm.", "the flawless surface itself shows a ripple."};
+  outcome.notes = {{.text = "Light ring, radii 25 to 40 mm: the flawless surface shows a ripple."},
+                   {NoteKind::kRipple, "of a kind, whatever its words are."}};
   const auto verdict_on = [&](const std::vector<CellError>& errors) {
     Cell cell{.errors = errors};
     judge(outcome, &harmless, cell);
@@ -103,7 +105,7 @@ TEST(Judge, ANoteCoversTheQuantitiesOfItsKindAlone) {
   EXPECT_EQ(verdict_on({h}), Verdict::kTold);
   EXPECT_EQ(verdict_on({contrast}), Verdict::kWrong) << "a ripple is no contrast";
   EXPECT_EQ(verdict_on({h, contrast}), Verdict::kWrong);
-  outcome.notes.emplace_back("what changes in them by a defect are uncertain.");
+  outcome.notes.push_back({NoteKind::kFineStripes, "stripes are fine."});
   EXPECT_EQ(verdict_on({h, contrast}), Verdict::kTold);
   outcome.notes.erase(outcome.notes.begin() + 1);
   EXPECT_EQ(verdict_on({h}), Verdict::kWrong) << "what a scene is excuses nothing";
@@ -111,25 +113,26 @@ TEST(Judge, ANoteCoversTheQuantitiesOfItsKindAlone) {
 
 TEST(Judge, TellsEachErrorByItsOwnNote) {
   const Outcome harmless;
-  const Outcome outcome{.notes = {"the flawless surface itself shows a ripple.",
-                                  "what changes in them by a defect are uncertain."}};
+  const Outcome outcome{.notes = {{NoteKind::kRipple, "There is a ripple."},
+                                  {NoteKind::kFineStripes, "Stripes are fine."},
+                                  {NoteKind::kRepeatedBorder, "Blur is wide."}}};
   Cell cell;
   cell.errors = {{.quantity = "h_points", .error = 2.0, .bound = 0.5},
                  {.quantity = "mean", .error = 0.02, .bound = 0.01},
                  {.quantity = "contrast_percent", .error = 28.0, .bound = 5.0}};
   judge(outcome, &harmless, cell);
-  EXPECT_EQ(cell.message, outcome.notes[0] + " " + outcome.notes[1]);
+  EXPECT_EQ(cell.message, "There is a ripple. Blur is wide. Stripes are fine.") << "each once";
 }
 
 /// One or more of all kinds that tell of an error.
-std::vector<std::string> notes_of_faults() {
+std::vector<SceneNote> notes_of_faults() {
   SceneSettings scene;
   scene.scan.positions = 25;
   scene.sensor.blur_px = 25.0;
   scene.sensor.full_well_e = 100.0;
   scene.tunnel.period_mm = 0.5;
   scene.defects = {{"dent", DefectGroup{}}};
-  std::vector<std::string> notes = scene_notes(
+  std::vector<SceneNote> notes = scene_notes(
       scene,
       {{"homogeneity.clipped_share", 0.5}, {"view.hidden_share", 0.5}, {"rays.max_cells", 4.0}});
   Sweep sweep = chosen_sweeps({"dent_over_pixel"}).front();
@@ -142,11 +145,13 @@ std::vector<std::string> notes_of_faults() {
   return notes;
 }
 
-// Else a note that is worded anew would tell nothing any more.
-TEST(NoteCoverage, OfEveryKindIsWordedAsTheProgramDoes) {
-  const std::vector<std::string> notes = notes_of_faults();
+TEST(NoteCoverage, IsOfKindsThatTheProgramTells) {
+  const std::vector<SceneNote> notes = notes_of_faults();
   for (const NoteCoverage& coverage : note_coverages()) {
-    EXPECT_THAT(notes, ::testing::Contains(::testing::HasSubstr(std::string(coverage.words))));
+    const auto note = std::ranges::find(notes, coverage.kind, &SceneNote::kind);
+    ASSERT_NE(note, notes.end()) << coverage.quantities.front();
+    EXPECT_NE(coverage.kind, NoteKind::kScene) << note->text;
+    EXPECT_EQ(told_of(coverage.quantities.front(), std::span(&*note, 1)), std::vector{note->text});
   }
 }
 
@@ -267,8 +272,8 @@ std::string told_of_dent(double slope_deg, const std::string& blur_px) {
   SceneStore store(pool);
   const auto base = parse_toml(base_scene_text(), "base scene");
   std::string notes;
-  for (const std::string& note : evaluated(store, scene_tables_of(base, sweep, *value)).notes) {
-    notes += note + "\n";
+  for (const SceneNote& note : evaluated(store, scene_tables_of(base, sweep, *value)).notes) {
+    notes += note.text + "\n";
   }
   return notes;
 }

@@ -240,6 +240,23 @@ ConfigNode write_lighting(const SceneSettings& scene) {
   return lighting;
 }
 
+void check_lights_go_along(const SceneSettings& scene) {
+  for (const NamedLight& light : scene.lights) {
+    if (!is_surrounding(light.settings) &&
+        mount_of(light.settings) == LightPlacement::Mount::kScene) {
+      throw ConfigError(
+          fmt::format("lighting.{}.mount", light.name),
+          "is \"scene\", and the flange holds the scene with its part: must be \"camera\" of a "
+          "light that stands beside the camera, \"part\" of one that goes along with the part");
+    }
+  }
+  if (scene.has_tunnel) {
+    throw ConfigError("lighting." + scene.tunnel_name,
+                      "is a tunnel, which stands in the scene, and the flange holds the scene "
+                      "with its part: it cannot be planned for");
+  }
+}
+
 namespace {
 
 /// The settings with a value for every key, of the smallest range that all allow.

@@ -35,6 +35,11 @@ void read_lighting(const ConfigNode& root,
 
 ConfigNode write_lighting(const SceneSettings& scene);
 
+/// @throws ConfigError with the key of a light that cannot go along where the flange of a robot
+/// holds
+///         the scene with its part: one that is fixed in the scene, or a tunnel
+void check_lights_go_along(const SceneSettings& scene);
+
 /// Visits the keys of [cost] that have a value.
 void visit_keys(KeyVisitor& keys, CostSettings& settings);
 

@@ -164,8 +164,7 @@ std::vector<PlaneDimension> light_dimensions(const PhysicalScene& scene,
                                              const DrawingPlane& plane) {
   std::map<std::string, LightShapes> lights;
   for (const Emitter& emitter : scene.lights.emitters) {
-    const int tunnel = scene.lights.first_tunnel_group;
-    if (tunnel >= 0 && emitter.group >= tunnel) {
+    if (scene.lights.is_of_wall(emitter.group)) {
       continue;  // wall_plan.h has the tunnel's wall
     }
     LightShapes& shapes =

@@ -6,8 +6,6 @@
 
 #include <Eigen/Core>
 
-#include "core/pose.h"
-#include "simulator/geometry/part/part.h"
 #include "simulator/light/area/light_extent.h"
 #include "studies/definition/scene_scores.h"
 
@@ -15,32 +13,6 @@ namespace glint {
 namespace {
 
 using Eigen::Vector3d;
-
-LightMounts mounts_of(const SceneSettings& scene) {
-  const auto vector = [](const std::vector<double>& v) { return Vector3d(v[0], v[1], v[2]); };
-  return {.scene_from_camera = inverse(camera_from_world(scene.viewpoint())),
-          .scene_from_part =
-              pose_from_angles(vector(scene.part.position_mm), vector(scene.part.rotation_rad))};
-}
-
-LightExtent extent_of(const SceneSettings& scene,
-                      const StageScan& stage,
-                      const MeshLoader& load_mesh) {
-  const std::vector<std::string> names = shining_lights(scene);
-  const auto shines = [&](const std::string& name) {
-    return std::ranges::find(names, name) != names.end();
-  };
-  LightExtent extent;
-  for (const NamedLight& light : scene.lights) {
-    if (shines(light.name)) {
-      extent = together(extent, extent_of({light}, mounts_of(scene), load_mesh));
-    }
-  }
-  if (shines(scene.tunnel_name)) {
-    extent = together(extent, extent_of(scene.tunnel, 0.5 * (stage.positions - 1) * stage.step_mm));
-  }
-  return extent;
-}
 
 /// Empty where an environment shines or nothing does.
 std::optional<LightingTotals::Size> size_of(const SceneSettings& scene, const LightExtent& extent) {
@@ -58,7 +30,7 @@ std::optional<LightingTotals::Size> size_of(const SceneSettings& scene, const Li
 
 LightingTotals lighting_totals(const SceneSettings& scene, const MeshLoader& load_mesh) {
   const StageScan stage = stage_scan(scene);
-  const LightExtent extent = extent_of(scene, stage, load_mesh);
+  const LightExtent extent = shining_extent(scene, load_mesh);
   LightingTotals totals = {
       .size = size_of(scene, extent), .leds = extent.leds, .frames = stage.positions};
   const CostSettings cost = scene.cost.value_or(CostSettings{});

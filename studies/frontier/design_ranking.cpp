@@ -137,7 +137,7 @@ class Ranking {
                                   const SceneSettings& design,
                                   int picture) const {
     SceneSettings scene = scene_of(point, design);
-    if (point.method.follows_paths) {
+    if (point.method.is_noisy) {
       scene = independent_paths(scene, scene.paths.samples, picture);
     }
     try {
@@ -180,7 +180,7 @@ class Ranking {
     if (coarser == nullptr) {
       return false;
     }
-    const bool has_noise = reference.method.follows_paths;
+    const bool has_noise = reference.method.is_noisy;
     score_reference(reference, has_noise ? reference : *coarser, has_noise);
     if (scenes_.size() < 3) {
       return false;
@@ -234,7 +234,7 @@ class Ranking {
       cheap.push_back(*scores);
     }
     const double taken_s = process_cpu_s() - start;
-    if (point.method.follows_paths && point.reduction > 1) {
+    if (point.method.is_noisy && point.reduction > 1) {
       take_out_mean_errors(cheap, scores_);
     }
     MethodRanking row =

@@ -17,7 +17,7 @@ namespace {
 bool is_rung_of(const RenderRung& rung, const FrontierPoint& point) {
   const ComparedMethod& method = point.method;
   if (!rung.is_for_search || rung.pixel_factor != point.reduction ||
-      rung.is_noisy != method.follows_paths) {
+      rung.is_noisy != method.is_noisy) {
     return false;
   }
   return rung.is_noisy ? rung.paths.samples == method.paths.samples &&
@@ -145,7 +145,7 @@ Goal choice_goal(const Study& study) {
 void mark_choice(std::span<const RenderRung> ladder,
                  const std::optional<AccuracySettings>& accuracy,
                  Frontier& frontier) {
-  if (!frontier.reference.method.follows_paths) {
+  if (!frontier.reference.method.is_noisy) {
     return;
   }
   const std::vector<ScoreWish> wishes = accuracy ? accuracy->wishes : std::vector<ScoreWish>();
@@ -167,7 +167,7 @@ void mark_choice(std::span<const RenderRung> ladder,
 }
 
 void mark_choice(const Study& study, Frontier& frontier) {
-  if (frontier.reference.method.follows_paths) {
+  if (frontier.reference.method.is_noisy) {
     mark_choice(choice_ladder(study, frontier), study.accuracy, frontier);
   }
 }

@@ -66,7 +66,7 @@ bool is_faceted(const FrontierPoint& point, const Frontier& frontier) {
 }
 
 bool has_other_reflections(const FrontierPoint& point, const Frontier& frontier) {
-  return point.method.follows_paths &&
+  return point.method.is_noisy &&
          point.method.paths.max_reflections != frontier.points.front().method.paths.max_reflections;
 }
 
@@ -124,7 +124,7 @@ struct Scale {
 /// reference's noise hides stands a little below that noise.
 std::optional<Vector2d> value_of(const FrontierPoint& point, const Frontier& frontier) {
   constexpr double kBelow = 0.5;
-  const double least = frontier.reference.method.follows_paths
+  const double least = frontier.reference.method.is_noisy
                            ? kBelow * frontier.reference.own_frame_rmse.value_or(0.0)
                            : 0.0;
   const auto error = error_of(point, kFrameRmse);
@@ -192,7 +192,7 @@ class Chart {
       page_.text({kLeft - 8.0, y + 4.0}, power_text(power), "end");
     }
     page_.text({0.5 * (kLeft + kRight), kBottom + 42.0},
-               frontier_.reference.method.follows_paths
+               frontier_.reference.method.is_noisy
                    ? "CPU time of one more picture and its scores, all threads (ms)"
                    : "CPU time of one more candidate, one thread (ms)");
     if (frontier_.pixel_factor > 1) {
@@ -267,7 +267,7 @@ class Chart {
     if (is_faceted(point, frontier_) || method.is_choice) {
       return;
     }
-    const bool has_rays = method.rays_per_px > 0 || method.follows_paths;
+    const bool has_rays = method.rays_per_px > 0 || method.is_noisy;
     const Vector2d corner = at + (has_rays ? Vector2d(8.0, -6.0) : Vector2d(9.0, 15.0));
     const bool is_crowded = std::ranges::any_of(labels_, [&](const Vector2d& other) {
       return std::abs(other.x() - corner.x()) < 32.0 && std::abs(other.y() - corner.y()) < 11.0;
@@ -283,7 +283,7 @@ class Chart {
     if (!point.realisation.empty()) {
       return point.realisation;
     }
-    if (method.follows_paths) {
+    if (method.is_noisy) {
       return has_other_reflections(point, frontier_)
                  ? fmt::format("{} refl.", method.paths.max_reflections)
                  : fmt::format("{}", method.paths.samples);

@@ -109,7 +109,7 @@ std::vector<FrontierPoint> frontier_methods(const SceneSettings& scene) {
   const auto is_asked_for = [](const ComparedMethod& method) { return !method.is_choice; };
   const auto has_own_reflections = [&](const ComparedMethod& method) {
     return is_asked_for(method) &&
-           (!method.follows_paths || method.paths.max_reflections == scene.paths.max_reflections);
+           (!method.is_noisy || method.paths.max_reflections == scene.paths.max_reflections);
   };
   add(is_asked_for, {});
   add(has_own_reflections, {.reduction = 2});

@@ -34,11 +34,11 @@ std::string resolution_name(int reduction) {
 
 Json point_json(const FrontierPoint& point) {
   const ComparedMethod& method = point.method;
-  const bool is_paths = method.follows_paths;
+  const bool is_noisy = method.is_noisy;
   Json json = {{"method", method_name(method.render.method)},
                {"label", point.label},
-               {"samples", is_paths ? Json(method.paths.samples) : Json(nullptr)},
-               {"max_reflections", is_paths ? Json(method.paths.max_reflections) : Json(nullptr)},
+               {"samples", is_noisy ? Json(method.paths.samples) : Json(nullptr)},
+               {"max_reflections", is_noisy ? Json(method.paths.max_reflections) : Json(nullptr)},
                {"rays_per_px", method.rays_per_px > 0 ? Json(method.rays_per_px) : Json(nullptr)},
                {"traced_per_px", point.traced_per_px},
                {"form", point.form},
@@ -55,7 +55,7 @@ Json point_json(const FrontierPoint& point) {
     json["cpu_s"] = point.cpu_s;
     json["cold_s"] = point.cold_s;
     json["pictures"] = point.pictures;
-    json["rays"] = is_paths ? Json(point.rays) : Json(nullptr);
+    json["rays"] = is_noisy ? Json(point.rays) : Json(nullptr);
     json["frame_rmse"] = optional_json(point.frame_rmse);
     json["smooth_frame_rmse"] = optional_json(point.smooth_frame_rmse);
     json["h_error_points"] = point.h_error_points;
@@ -87,7 +87,7 @@ Json reference_json(const FrontierReference& reference) {
                {"h_rms", reference.h_rms},
                {"defects", defects},
                {"own_frame_rmse", optional_json(reference.own_frame_rmse)}};
-  if (reference.method.follows_paths) {
+  if (reference.method.is_noisy) {
     json["rays_per_px"] = nullptr;
     json["samples"] = reference.method.paths.samples;
     json["max_reflections"] = reference.method.paths.max_reflections;
@@ -97,8 +97,7 @@ Json reference_json(const FrontierReference& reference) {
   for (const auto& [name, score] : reference.scores) {
     json["scores"][name] = {
         {"value", score.value},
-        {"standard_error",
-         reference.method.follows_paths ? Json(score.standard_error) : Json(nullptr)}};
+        {"standard_error", reference.method.is_noisy ? Json(score.standard_error) : Json(nullptr)}};
   }
   return json;
 }
@@ -133,7 +132,7 @@ void check_study_scene(const Study& study, int threads) {
     SceneStore store(pool);
     const ComparedMethod method = frontier_methods(study.scene).front().method;
     SceneSettings quick = rendered_by(method, study.scene);
-    if (method.follows_paths) {
+    if (method.is_noisy) {
       quick = with_larger_pixels(quick, pixel_factor(quick.camera, kMaxFrontierPixels));
       store.leave_out_unseen_defects();
     }
@@ -217,7 +216,7 @@ std::vector<std::string> path_method_notes(const Frontier& frontier) {
 }
 
 std::vector<std::string> method_notes(const Frontier& frontier) {
-  if (frontier.reference.method.follows_paths) {
+  if (frontier.reference.method.is_noisy) {
     return path_method_notes(frontier);
   }
   std::vector<std::string> notes = {
@@ -284,7 +283,7 @@ std::string path_sentence(const Frontier& frontier) {
 }  // namespace
 
 std::string frontier_sentence(const Frontier& frontier) {
-  if (frontier.reference.method.follows_paths) {
+  if (frontier.reference.method.is_noisy) {
     return path_sentence(frontier);
   }
   const auto choice = std::ranges::find_if(frontier.points, [](const FrontierPoint& point) {

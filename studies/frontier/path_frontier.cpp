@@ -245,7 +245,7 @@ class PathMeasuring {
     double start = process_cpu_s();
     store.trace(scene);
     const double build_s = process_cpu_s() - start;
-    const bool has_noise = point.method.follows_paths;
+    const bool has_noise = point.method.is_noisy;
     const double affordable = kPicturesShare * options_.budget_s / needed_s;
     point.pictures = has_noise ? std::clamp(static_cast<int>(affordable), 1, kMaxPictures) : 1;
     std::map<std::string, std::vector<double>> values;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/pose.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
 
 namespace glint {
@@ -181,7 +182,7 @@ bool shines(const LightSettings& settings) {
 }
 
 bool has_place(const LightSettings& settings) {
-  return !std::holds_alternative<EnvironmentSettings>(settings);
+  return !is_surrounding(settings);
 }
 
 bool has_body(const LightSettings& settings) {
@@ -223,6 +224,24 @@ std::vector<std::string> shining_lights(const SceneSettings& scene) {
     }
   }
   return names;
+}
+
+LightExtent shining_extent(const SceneSettings& scene, const MeshLoader& load_mesh) {
+  const LightMounts mounts = {
+      .scene_from_camera = inverse(camera_from_world(scene.viewpoint())),
+      .scene_from_part =
+          pose_from_angles(vector_of(scene.part.position_mm), vector_of(scene.part.rotation_rad))};
+  LightExtent extent;
+  for (const NamedLight& light : scene.lights) {
+    if (shines(light.settings)) {
+      extent = together(extent, extent_of({light}, mounts, load_mesh));
+    }
+  }
+  if (scene.has_tunnel) {
+    const StageScan stage = stage_scan(scene);
+    extent = together(extent, extent_of(scene.tunnel, 0.5 * (stage.positions - 1) * stage.step_mm));
+  }
+  return extent;
 }
 
 StageScan stage_scan(const SceneSettings& scene) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "simulator/light/area/build_lights.h"
+#include "simulator/light/area/light_extent.h"
 #include "simulator/material/local.h"
 #include "studies/definition/scene.h"
 
@@ -56,6 +57,11 @@ struct StageScan {
 
 /// @throws ConfigError as scan_step_mm()
 StageScan stage_scan(const SceneSettings& scene);
+
+/// The room that the lights that shine take up: those on the camera where the first viewpoint has
+/// them, a tunnel in the middle of its scan.
+/// @throws ConfigError, IoError as extent_of()
+LightExtent shining_extent(const SceneSettings& scene, const MeshLoader& load_mesh);
 
 /// The triangles of a light that is a mesh, for build_lights(). @throws ConfigError, IoError
 std::vector<LightTriangle> load_light_mesh(const std::filesystem::path& file);

@@ -52,9 +52,7 @@ PixelView look_through(const PhysicalScene& scene,
     return {};
   }
   std::optional<LightHit> light = hit_light(scene.lights, ray, static_cast<double>(hit.t_mm));
-  const int first_tunnel = scene.lights.first_tunnel_group;
-  if (light &&
-      (light->emitter == kEnvironment || (first_tunnel >= 0 && light->group >= first_tunnel))) {
+  if (light && (light->emitter == kEnvironment || scene.lights.is_of_wall(light->group))) {
     light.reset();
   }
   return {.is_part = true, .light = light};

@@ -89,7 +89,7 @@ std::vector<SolidBody> light_bodies(const SceneSettings& scene, double thickness
                                                                   vector(scene.part.rotation_rad))};
   std::vector<SolidBody> bodies;
   for (const NamedLight& light : scene.lights) {
-    if (!is_surrounding(light.settings)) {
+    if (has_place(light.settings)) {
       const bool is_carried = mount_of(light.settings) == LightPlacement::Mount::kCamera;
       add_body(light.name + " light",
                is_carried,

@@ -8,6 +8,7 @@
 #include "core/config/toml.h"
 #include "core/pose.h"
 #include "simulator/geometry/mesh_file/mesh_io.h"
+#include "studies/definition/scene_lights.h"
 #include "studies/reach/light_bodies.h"
 
 namespace glint {
@@ -96,32 +97,14 @@ void add_obstacles(const CellPlanning& planning, PlanningCell& planned) {
   }
 }
 
-/// A scene that the flange holds goes with it: what stands in it cannot.
-void check_held(const SceneSettings& scene) {
-  for (const NamedLight& light : scene.lights) {
-    if (!is_surrounding(light.settings) &&
-        mount_of(light.settings) == LightPlacement::Mount::kScene) {
-      throw ConfigError(
-          fmt::format("lighting.{}.mount", light.name),
-          "is \"scene\", and the flange holds the scene with its part: must be \"camera\" of a "
-          "light that stands beside the camera, \"part\" of one that goes along with the part");
-    }
-  }
-}
-
 void add_lights(const SceneSettings& scene,
                 const CellChain& chain,
                 double thickness_mm,
                 PlanningCell& planned) {
   if (!chain.is_in_hand) {
-    check_held(scene);
+    check_lights_go_along(scene);
   }
   for (SolidBody& body : light_bodies(scene, thickness_mm)) {
-    if (!chain.is_in_hand && body.name == scene.tunnel_name) {
-      throw ConfigError("lighting." + scene.tunnel_name,
-                        "is a tunnel, which stands in the scene, and the flange holds the scene "
-                        "with its part: it cannot be planned for");
-    }
     const bool is_at_camera = body.kind == Kind::kCarried;
     add_body(std::move(body),
              is_at_camera == chain.is_in_hand,

@@ -232,7 +232,7 @@ LightingDrawing draw_lighting(const SceneSettings& scene,
   if (area_lights != nullptr) {
     return {.svg = area_lights_svg(scene, *area_lights, title),
             .dxf = area_lights_dxf(scene, *area_lights, title),
-            .csv = area_lights->lights.first_tunnel_group >= 0 ? wall_csv(section) : std::string()};
+            .csv = area_lights->lights.has_wall() ? wall_csv(section) : std::string()};
   }
   return {.svg = cross_section_svg(section), .dxf = wall_dxf(section), .csv = wall_csv(section)};
 }

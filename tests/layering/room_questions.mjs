@@ -6,11 +6,13 @@ import path from "node:path";
 import { hallOf, report } from "./room_tree.mjs";
 
 /// The transport that a scene needs, the kind of its rays and lights, the method of [render] or of a
-/// rung. Not what is read off an answer (ComparedMethod::follows_paths: whether pictures have noise)
-/// or asked of the user (StarterLight: the light of `glint new`).
+/// rung. Not what is read off an answer (ComparedMethod::is_noisy: whether pictures have noise) or
+/// asked of the user (StarterLight: the light of `glint new`).
 const QUESTION = new RegExp(
   [
-    "\\b(needs_paths|is_sampled|has_tunnel|is_direct|is_blurred)\\b",
+    "\\b(needs_paths|is_sampled|has_tunnel|is_direct|is_blurred|follows_paths)\\b",
+    "\\b(is_surrounding|first_tunnel_group)\\b",
+    "[!=]= ?[\\w.>-]*tunnel_name\\b|\\btunnel_name [!=]=",
     "\\blights\\.empty\\(\\)",
     "(?<![A-Za-z])(?:Render)?Method::k\\w+",
     "\\bmethod [!=]= \"\\w+\"",

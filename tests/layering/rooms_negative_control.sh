@@ -382,6 +382,11 @@ in_run_cpp 'path_view_of(scene, part) != nullptr' path_view_of
 in_run_cpp 'rung.level == "blurred"' '.level =='
 in_run_cpp 'compared_methods(scene).empty()' 'compared_methods(scene).empty()'
 in_run_cpp 'compared_paths(scene).size() > 1' 'compared_paths(scene).size()'
+in_run_cpp 'point.method.follows_paths' follows_paths
+in_run_cpp '!is_surrounding(light.settings)' is_surrounding
+in_run_cpp 'lights.first_tunnel_group >= 0' first_tunnel_group
+in_run_cpp 'body.name == study.scene.tunnel_name' '== study.scene.tunnel_name'
+in_run_cpp 'scene.tunnel_name != name' 'tunnel_name !='
 clean_tree
 add cli/run.cpp '// needs_paths() is asked elsewhere'
 expect_clean "a question in a comment" "rooms: no violation"

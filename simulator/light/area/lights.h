@@ -37,6 +37,10 @@ struct Lights {
   int first_tunnel_group = -1;      ///< its groups are the last
 
   bool empty() const { return emitters.empty() && !environment; }
+
+  bool has_wall() const { return first_tunnel_group >= 0; }
+
+  bool is_of_wall(int group) const { return has_wall() && group >= first_tunnel_group; }
 };
 
 /// A direction towards a light.

@@ -94,7 +94,7 @@ ComparedMethod path_method(const SceneSettings& scene, int samples, int reflecti
                            .label = samples_text(samples),
                            .render = scene.render,
                            .paths = scene.paths,
-                           .follows_paths = true,
+                           .is_noisy = true,
                            .has_film = true};
   method.render.method = Method::kPaths;
   method.paths.samples = samples;
@@ -181,7 +181,7 @@ std::vector<ComparedMethod> compared_paths(const SceneSettings& scene) {
 
 SceneSettings rendered_by(const ComparedMethod& method, SceneSettings scene) {
   scene.render = method.render;
-  if (method.follows_paths) {
+  if (method.is_noisy) {
     scene.paths = method.paths;
   }
   return scene;

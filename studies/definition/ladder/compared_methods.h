@@ -24,7 +24,7 @@ struct ComparedMethod {
   bool has_frames = true;       ///< false: scores alone are asked for, as in a search
   bool is_usual = false;        ///< the accuracy of its kind with which other things are varied
   bool is_choice = false;       ///< what the program does by itself
-  bool follows_paths = false;   ///< its pictures have noise of their own
+  bool is_noisy = false;        ///< its pictures have noise of their own
   bool has_film = false;        ///< its pictures are of SceneStore::picture()
   bool is_current = false;      ///< with the accuracy that the scene has now
 };

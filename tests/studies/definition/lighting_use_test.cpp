@@ -5,6 +5,7 @@
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "studies/definition/scene.h"
+#include "studies/definition/scene_lights.h"
 #include "studies/definition/study.h"
 #include "studies/definition/study_text.h"
 #include "tests/support/temporary_folder.h"
@@ -178,6 +179,27 @@ TEST(LightingUse, ItsDefaultIsNotInTheHash) {
   const std::string hash = config_hash(lighting_study(kLights));
   EXPECT_EQ(config_hash(lighting_study("lighting_use = \"all\"\n" + std::string(kLights))), hash);
   EXPECT_NE(config_hash(lighting_study("lighting_use = \"ring\"\n" + std::string(kLights))), hash);
+}
+
+std::string error_in_the_hand(const std::string& text) {
+  const SceneSettings scene = lighting_study(text).scene;
+  try {
+    check_lights_go_along(scene);
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// A robot's flange holds the scene with its part: what stands in the scene cannot come along.
+TEST(LightsInTheHand, StandOnCameraOrPart) {
+  const std::string ring = "[lighting.ring]\nmount = ";
+  EXPECT_EQ(error_in_the_hand(ring + "\"camera\"\n[lighting.environment]\n"), "");
+  EXPECT_EQ(error_in_the_hand(ring + "\"part\"\n"), "");
+  EXPECT_THAT(error_in_the_hand(ring + "\"scene\"\n"),
+              HasSubstr("lighting.ring.mount: is \"scene\""));
+  EXPECT_THAT(error_in_the_hand("[lighting.arch]\ntype = \"tunnel\"\n"),
+              HasSubstr("lighting.arch: is a tunnel, which stands in the scene"));
 }
 
 TEST(ExposeTo, IsReadAndRefusesMethodsWithDerivatives) {

@@ -129,7 +129,7 @@ TEST(ComparedPaths, EndWithBlurredReflectionsWhereTheyMayRenderTheScene) {
   const auto labels_of = [](const SceneSettings& of) {
     std::vector<std::string> labels;
     for (const ComparedMethod& method : compared_paths(of)) {
-      if (!method.follows_paths) {
+      if (!method.is_noisy) {
         EXPECT_EQ(method.render.method, Method::kBlurred);
         labels.push_back(method.label + (method.is_current ? " *" : ""));
       }
@@ -158,7 +158,7 @@ TEST(ComparedPaths, EndWithDirectSumsWhereTheyMayRenderTheScene) {
     std::vector<std::string> labels;
     for (const ComparedMethod& method : compared_paths(of)) {
       EXPECT_TRUE(method.has_film) << method.label;
-      if (!method.follows_paths) {
+      if (!method.is_noisy) {
         EXPECT_EQ(method.render.method, Method::kDirect);
         labels.push_back(method.label + (method.is_current ? " *" : ""));
       }

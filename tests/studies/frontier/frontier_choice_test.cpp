@@ -34,13 +34,13 @@ std::vector<RenderRung> three_rungs() {
 
 Frontier three_points() {
   Frontier frontier;
-  frontier.reference.method.follows_paths = true;
+  frontier.reference.method.is_noisy = true;
   frontier.reference.scores[kHomogeneity].value = 0.5;
   for (const RenderRung& rung : three_rungs()) {
     const int samples = rung.paths.samples;
     FrontierPoint point;
     point.method.paths = rung.paths;
-    point.method.follows_paths = true;
+    point.method.is_noisy = true;
     point.label = fmt::format("{} samples", samples);
     point.tessellation = "exact surface";
     point.h_error_points = 4.0 / samples;  // 1, 0.25, 0.0625
@@ -94,7 +94,7 @@ TEST(FrontierChoice, WithDesignsOrdersThemRightly) {
   EXPECT_THAT(choice_sentence(frontier), HasSubstr("puts 12 designs into the order"));
   EXPECT_THAT(choice_sentence(frontier), HasSubstr("by 66 pairs"));
   frontier.points[1].is_chosen = false;
-  frontier.reference.method.follows_paths = false;
+  frontier.reference.method.is_noisy = false;
   EXPECT_EQ(chosen_by(frontier), "none") << "mirrors have no such mark";
 }
 
@@ -151,7 +151,7 @@ Study steel_study(const std::vector<KeyValue>& sets) {
 /// All points of the study's chart, none of which is off by anything.
 std::string chosen_of_exact_points(const Study& study) {
   Frontier frontier;
-  frontier.reference.method.follows_paths = true;
+  frontier.reference.method.is_noisy = true;
   frontier.points = frontier_methods(study.scene);
   mark_choice(study, frontier);
   return label_of_choice(frontier);

@@ -321,7 +321,11 @@ TEST(TunnelLight, GroupsComeAfterThoseOfOtherLights) {
   EXPECT_EQ(lights.groups[1].name, "tunnel.0");
   EXPECT_EQ(lights.groups[4].name, "tunnel.3");
   EXPECT_EQ(lights.groups[4].factor, 0.5);
-  EXPECT_EQ(build_lights({}, {}, {}).first_tunnel_group, -1);
+  EXPECT_FALSE(lights.is_of_wall(0)) << "the ring";
+  EXPECT_TRUE(lights.is_of_wall(1) && lights.is_of_wall(4));
+  const Lights none = build_lights({}, {}, {});
+  EXPECT_EQ(none.first_tunnel_group, -1);
+  EXPECT_FALSE(none.has_wall() || none.is_of_wall(0));
 }
 
 /// From the middle of its base a wall of length L = 2 h fills s = h / sqrt(R^2 + h^2) of the upper

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Facets of a defect by their angle to the flawless surface below them, sorted, and the angle that
+// 99 % of the area stay under: a quantile, since the steepest facet of a mesh says little.
+// docs/theory/imprint.md, "Slope".
 #include "defects/part/defect_slope.h"
 
 #include <algorithm>

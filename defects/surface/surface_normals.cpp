@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A normal belongs to a corner, not to a vertex: around each vertex the faces that are shaded as
+// one surface form a fan, bounded by creases and by borders of exact surfaces; a fan on an exact
+// surface takes its gradient, any other the mean of its faces by their angles at the vertex. Source
+// of the weights: G. Thuermer and C. Wuethrich, "Computing vertex normals from polygonal facets",
+// Journal of Graphics Tools 3(1), 1998. Cost: linear. docs/theory/imprint.md
 #include "defects/surface/surface_normals.h"
 
 #include <cmath>

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A straight tool is cut by planes across x into slabs thin enough that chords follow the path,
+// edges that two triangles share getting one point, and then each vertex is put where its frame
+// along the path has it. Cost: one pass over the triangles a plane, at most 400 planes.
+// docs/theory/imprint.md, "Tools".
 #include "defects/tools/mesh_bend.h"
 
 #include <algorithm>

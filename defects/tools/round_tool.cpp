@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Rings about the axis in even steps of the profile's length, ring k of 6 k points, then a wall and
+// a roof above the surface. Noise moves points along rays from the middle of the opening, or along
+// z in shallow caps: either way each ray still meets the tool once and it cannot cross itself. At
+// the end everything is scaled so that the lowest point is exact. Our own construction; cost:
+// linear in the triangles. docs/theory/imprint.md, "Tools".
 #include "defects/tools/round_tool.h"
 
 #include <algorithm>

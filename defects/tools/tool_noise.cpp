@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Improved Perlin noise: gradients at the corners of a lattice of period 256, blended by a quintic;
+// coordinates are folded to the period before they become integers. Octaves are shifted, since each
+// vanishes at its lattice points. Cost: eight gradients an octave and point.
+// docs/theory/imprint.md, "Tools".
 #include "defects/tools/tool_noise.h"
 
 #include <cmath>

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Union by lowest point with path halving: a set is known by its lowest point, so that ties are
+// decided alike everywhere. Cost: nearly linear in the links. docs/theory/coverage.md
 #include "metrics/coverage/patches.h"
 
 #include <algorithm>

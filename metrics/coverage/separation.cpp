@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Branch and bound over subsets in order of index: a branch ends when not even all that are left
+// would beat the best choice, and the search when `enough` are found, which is a handful. An exact
+// answer for few directions, where a greedy choice may miss one. docs/theory/coverage.md
 #include "metrics/coverage/separation.h"
 
 #include <algorithm>

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A base under a clear coat by albedo scaling: what a direction's light loses at the coat's face,
+// the base cannot return, so its lobe is scaled by 1 - max(C(viewer), C(light)), which keeps it
+// reciprocal. What is trapped between coat and base comes back as a third lobe after Kulla and
+// Conty (multiple_scattering.h). The shares that this needs depend on the direction alone: they are
+// integrated by quadrature over 24 to 80 nodes an axis into tables (direction_table.h) once a
+// material, 10 to 170 ms; a sample reads them. Model and limits: docs/theory/materials.md.
 #include "simulator/material/coated.h"
 
 #include <functional>

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Directions are drawn from a piecewise constant density in t, where z = knee (exp(t scale) - 1)
+// spreads the cells towards grazing as direction_table.h spreads its rows. The mass of a cell is
+// the light lost in it, by four midpoints and eight azimuths, and a tenth of the samples keep to
+// the cosine, so that no cell is empty. Cost: at most 32 steps a sample. docs/theory/materials.md
 #include "simulator/material/compensation_sampler.h"
 
 namespace glint {

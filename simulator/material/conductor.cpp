@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Two lobes: one reflection by microfacets, drawn by the normals that the viewer sees (ggx.h), and
+// what several reflections add back, drawn by the light that is lost at each angle
+// (compensation_sampler.h). A sample takes either lobe by its share of the light towards the viewer
+// and is weighted with the density of both, so that no weight is large. Cost: a table is read once
+// for each of the two directions. docs/theory/materials.md
 #include "simulator/material/conductor.h"
 
 #include "simulator/material/multiple_scattering.h"

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Reflectances of an interface and their means over the half sphere, which the light of several
+// reflections needs: 2 int R(mu) mu dmu, in closed form for Schlick's curve, by 48 Gauss-Legendre
+// nodes for a metal's exact one, once a material. docs/theory/materials.md
 #include "simulator/material/fresnel.h"
 
 #include "simulator/material/quadrature.h"

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The albedo of one reflection is the mean of G2 / G1 over visible normals, so that the integrand
+// is bounded by 1 at every width: Gauss-Legendre in one number, midpoints in the other, 80 x 80 for
+// each of the table's directions, or 40 x 40 where unequal widths need more directions. Where the
+// roughness of a surface varies, tables stand in even steps of log(width), two an octave, and four
+// of them are blended. docs/theory/materials.md
 #include "simulator/material/ggx_albedo.h"
 
 #include "simulator/material/quadrature.h"

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Gauss-Legendre nodes by Newton's method on the three-term recurrence, from the start values
+// cos(pi (i - 1/4) / (n + 1/2)). Source: W. Press et al., "Numerical recipes", 4.6. Cost: n^2
+// operations, once a rule.
 #include "simulator/material/quadrature.h"
 
 #include <cmath>

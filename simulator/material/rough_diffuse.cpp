@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// EON in closed form: the Fujii form of Oren-Nayar, whose albedo is known exactly, and a second
+// term in (1 - albedo(viewer)) (1 - albedo(light)) that returns what it lacks, coloured once for
+// each further reflection. Nothing is tabulated; cost: one acos a direction. Sources beside the
+// struct; docs/theory/materials.md.
 #include "simulator/material/rough_diffuse.h"
 
 #include "simulator/material/multiple_scattering.h"

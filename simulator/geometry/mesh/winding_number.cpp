@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Solid angles by van Oosterom and Strackee's formula, tan(half) = det / (sum of products): atan2
+// keeps it exact for large angles and needs no case for points near a triangle's plane. Cost:
+// linear in the triangles; for single points, where a tree would not pay.
 #include "simulator/geometry/mesh/winding_number.h"
 
 #include <cmath>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Rows are drawn by their share of the light (radiance times solid angle), then a pixel of the row,
+// by bisection in running sums; within the pixel directions are uniform in solid angle (in z and
+// azimuth). So density is exactly proportional to grey radiance. Source: M. Pharr, W. Jakob, G.
+// Humphreys, "Physically based rendering", 12.5 (infinite area lights). Cost: two bisections a
+// sample; the sums are built once. docs/theory/lights.md
 #include "simulator/light/area/environment.h"
 
 #include <algorithm>

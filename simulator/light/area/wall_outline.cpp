@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The wall as few straight strips: a dense outline of the whole cross-section, cut at the slot, of
+// which Douglas and Peucker's method keeps the corners that a tolerance needs; arc lengths are
+// those of the dense line, so that stripes stand where the closed forms have them
+// (tunnel_profile.h). Cost: n log n for n points as a rule; once a tunnel. docs/theory/lights.md,
+// "The fringe tunnel".
 #include "simulator/light/area/wall_outline.h"
 
 #include <algorithm>

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The sums over directions are made once for all frames (blurred_pixels.h): of a frame only the
+// stripes' phase differs, so that a frame costs a few operations for each kept term, and no ray.
+// docs/theory/blurred.md
 #include "simulator/render/blurred/blurred_scan.h"
 
 namespace glint {

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What another set of defects changes is found by comparing kept rays bit for bit, not by where
+// defects lie: so reflections of a defect elsewhere on the part count, too. A corner that differs
+// marks the four pixels around it; refined pixels are looked up by number. Cost: linear in the
+// rays, far below tracing them. docs/theory/tunnel.md, "What is kept".
 #include "simulator/render/corner_rays/changed_pixels.h"
 
 #include <algorithm>

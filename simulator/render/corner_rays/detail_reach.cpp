@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Which pixels four corner rays are not enough for, without tracing any: the box in which a feature
+// changes the surface is projected, widened for distortion and a pixel, and each pixel inside is
+// cut into so many cells that no feature lies between two of their corners (1.5 sigma of its
+// cross-section). Too many cells cost time; too few would miss a defect. Cost: eight projections a
+// feature and its pixels, one projection a vertex. docs/theory/footprints.md, "When four corners
+// are not enough".
 #include "simulator/render/corner_rays/detail_reach.h"
 
 #include <algorithm>

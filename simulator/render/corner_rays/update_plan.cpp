@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A pixel's classification looks at its own corners and their neighbours, from x - 1 to x + 2:
+// whatever a changed corner can reclassify is marked, and then every corner that these pixels read.
+// Two passes of dilation; cost: linear in the corners. docs/theory/tunnel.md, "What is kept".
 #include "simulator/render/corner_rays/update_plan.h"
 
 #include <algorithm>

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Frames in even steps come back to the first one after `period` frames and, at duty 1/2, to its
+// opposite after `half`; both are found by comparing shifts to 1e-9 of a period, and every later
+// frame is a copy, or the sum of the two opposites less a frame. At duty 1/2 it halves what is
+// integrated. docs/theory/footprints.md
 #include "simulator/render/footprint/distinct_stripes.h"
 
 #include <algorithm>

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// From a hit of a triangle to the surface that it stands for: the ray is polished onto the exact
+// surface where the part has one, heights tilt the normal, and the frame follows the lay of the
+// material. Rays leave from just above the plane of the triangle, lifted so far that the triangle
+// cannot shade its own point. Cost: a few Newton steps a hit. docs/theory/path_tracing.md, "Where
+// rays start".
 #include "simulator/render/path_tracing/surface_point.h"
 
 #include <algorithm>

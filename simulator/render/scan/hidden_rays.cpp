@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The reference (`sampled`) sees the same boundary of the slot as the footprints do: whole pixels
+// behind the wall lose all of their rays, pixels on its edge those whose place in the pixel lies on
+// the hidden side of the edge's line. docs/theory/footprints.md, "What the wall hides".
 #include "simulator/render/scan/hidden_rays.h"
 
 #include <cmath>

@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A sight line from each seen point to the camera is intersected with the wall as if it were a ray
+// of the picture, a row at a time by the same kernels (tunnel.h); the distance to the slot's edge
+// is read off where it meets the wall. Rows that cannot lower the margin are skipped by their
+// farthest pixel. docs/theory/tunnel.md, "The slot".
 #include "simulator/render/wall/slot_margin.h"
 
 #include <cmath>

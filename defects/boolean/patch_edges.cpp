@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "defects/boolean/patch_edges.h"
 
-#include <numeric>
-
 namespace glint {
 namespace {
 
@@ -39,25 +37,6 @@ EdgeMatches match_edges(std::span<const Triangle> faces) {
     }
   }
   return matches;
-}
-
-DisjointSets::DisjointSets(std::size_t size) : parent_(size) {
-  std::iota(parent_.begin(), parent_.end(), 0);
-}
-
-std::int32_t DisjointSets::find(std::int32_t member) {
-  auto at = [&](std::int32_t i) -> std::int32_t& { return parent_[static_cast<std::size_t>(i)]; };
-  while (at(member) != member) {
-    at(member) = at(at(member));
-    member = at(member);
-  }
-  return member;
-}
-
-void DisjointSets::join(std::int32_t a, std::int32_t b) {
-  const std::int32_t root_a = find(a);
-  const std::int32_t root_b = find(b);
-  parent_[static_cast<std::size_t>(std::max(root_a, root_b))] = std::min(root_a, root_b);
 }
 
 }  // namespace glint

@@ -84,16 +84,4 @@ struct EdgeMatches {
 
 EdgeMatches match_edges(std::span<const Triangle> faces);
 
-/// Sets that can be joined; a set's name is its smallest member.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size);
-
-  std::int32_t find(std::int32_t member);
-  void join(std::int32_t a, std::int32_t b);
-
- private:
-  std::vector<std::int32_t> parent_;
-};
-
 }  // namespace glint

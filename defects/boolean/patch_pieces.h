@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "core/disjoint_sets.h"
 #include "defects/boolean/patch_ring.h"
 
 namespace glint {

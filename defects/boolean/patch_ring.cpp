@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "core/disjoint_sets.h"
+
 namespace glint {
 namespace {
 

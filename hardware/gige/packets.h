@@ -68,7 +68,6 @@ inline constexpr std::uint32_t kNetworkInterfaces = 0x0600;
 inline constexpr std::uint32_t kStreamChannels = 0x0904;
 inline constexpr std::uint32_t kCapability = 0x0934;
 inline constexpr std::uint32_t kHeartbeatTimeoutMs = 0x0938;
-inline constexpr std::uint32_t kTickFrequencyHigh = 0x093c;
 inline constexpr std::uint32_t kTickFrequencyLow = 0x0940;
 inline constexpr std::uint32_t kPrivilege = 0x0a00;
 inline constexpr std::uint32_t kStreamPort = 0x0d00;

@@ -50,7 +50,7 @@ RegionOverlap overlap_of(const ImageF& first, const ImageF& second) {
 
 Mask pixels_on_both(const ImageF& own, const ImageF& other, const Eigen::Affine2d& to_other) {
   constexpr double kWholly = 0.999;
-  constexpr std::ptrdiff_t kFewestPixels = 100;
+  constexpr std::ptrdiff_t kMinPixels = 100;
   Mask region(own.width(), own.height());
   for (int y = 0; y < own.height(); ++y) {
     for (int x = 0; x < own.width(); ++x) {
@@ -59,7 +59,7 @@ Mask pixels_on_both(const ImageF& own, const ImageF& other, const Eigen::Affine2
       region(x, y) = is_on ? 1 : 0;
     }
   }
-  return std::ranges::count(region.values(), 1) >= kFewestPixels ? region : Mask();
+  return std::ranges::count(region.values(), 1) >= kMinPixels ? region : Mask();
 }
 
 }  // namespace glint

@@ -273,12 +273,12 @@ std::vector<LightTriangle> load_light_mesh(const std::filesystem::path& file) {
   return triangles;
 }
 
-UnitLights unit_lights(const SceneSettings& scene,
-                       const LightMounts& mounts,
-                       const MeshLoader& load_mesh) {
+UnitPowerLights unit_power_lights(const SceneSettings& scene,
+                                  const LightMounts& mounts,
+                                  const MeshLoader& load_mesh) {
   const std::vector<NamedLight> unit = without_powers(scene.lights);
   const std::optional<TunnelLight> tunnel = tunnel_of(scene);
-  UnitLights result = {.lights = build_lights(unit, mounts, load_mesh, tunnel)};
+  UnitPowerLights result = {.lights = build_lights(unit, mounts, load_mesh, tunnel)};
   std::vector<LightGroup>& groups = result.lights.groups;
   for (LightGroup& group : groups) {
     group.factor = 1.0;

@@ -17,7 +17,7 @@ namespace glint {
 
 /// Lights whose radiance, scale and separate segments are 1; segments that are no groups of their
 /// own keep their powers.
-struct UnitLights {
+struct UnitPowerLights {
   Lights lights;  ///< factors of all groups are 1
   /// Flux of each group with all segments at 1; of the three channels alike, 0 for an environment.
   std::vector<Colour> unit_power_w;
@@ -67,9 +67,9 @@ LightExtent shining_extent(const SceneSettings& scene, const MeshLoader& load_me
 std::vector<LightTriangle> load_light_mesh(const std::filesystem::path& file);
 
 /// @throws ConfigError, IoError as build_lights()
-UnitLights unit_lights(const SceneSettings& scene,
-                       const LightMounts& mounts,
-                       const MeshLoader& load_mesh);
+UnitPowerLights unit_power_lights(const SceneSettings& scene,
+                                  const LightMounts& mounts,
+                                  const MeshLoader& load_mesh);
 
 /// What each light group contributes to one frame: a factor for each group, of its three channels
 /// (equal for a grey sensor).

@@ -206,7 +206,7 @@ std::vector<WeightedSum> sums_of(const PathPicture& picture,
 
 /// What the accuracy of a sum of direct light follows from. Where lights stand changes no power.
 int brightness_octave_of(const SceneSettings& scene) {
-  const UnitLights lights = unit_lights(scene, {}, load_light_mesh);
+  const UnitPowerLights lights = unit_power_lights(scene, {}, load_light_mesh);
   return brightness_octave(scene.sensor, frame_factors(scene, lights.unit_power_w));
 }
 
@@ -225,10 +225,10 @@ struct PathView::Data {
         built(has_defects ? part->built : part->clean),
         material(scene.material, scene.sensor.wavelengths_nm),
         camera_pose(camera_from_world(viewpoint)),
-        lights(unit_lights(scene,
-                           {.scene_from_camera = inverse(camera_pose),
-                            .scene_from_part = built->part.scene_from_part},
-                           load_light_mesh)),
+        lights(unit_power_lights(scene,
+                                 {.scene_from_camera = inverse(camera_pose),
+                                  .scene_from_part = built->part.scene_from_part},
+                                 load_light_mesh)),
         camera(intrinsics_of(scene)),
         physical{.part = built->part,
                  .bvh = *built->bvh,
@@ -257,7 +257,7 @@ struct PathView::Data {
   SurfaceDetail no_detail;
   SurfaceMaterial material;
   RigidTransform camera_pose;
-  UnitLights lights;
+  UnitPowerLights lights;
   PinholeCamera camera;
   PhysicalScene physical;
   bool is_in_tunnel = false;

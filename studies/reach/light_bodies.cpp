@@ -102,7 +102,7 @@ std::vector<SolidBody> light_bodies(const SceneSettings& scene, double thickness
   alone.lights.clear();
   add_body(scene.tunnel_name,
            false,
-           mesh_of(unit_lights(alone, mounts, load_light_mesh).lights),
+           mesh_of(unit_power_lights(alone, mounts, load_light_mesh).lights),
            thickness_mm,
            bodies);
   return bodies;

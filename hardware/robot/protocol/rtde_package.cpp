@@ -72,10 +72,6 @@ std::string start_request() {
   return rtde_package(RtdeKind::kStart, {});
 }
 
-std::string pause_request() {
-  return rtde_package(RtdeKind::kPause, {});
-}
-
 std::string data_package(std::uint8_t recipe, const std::vector<RtdeValue>& values) {
   ByteWriter writer;
   writer.put(recipe);

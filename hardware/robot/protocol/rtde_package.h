@@ -68,7 +68,6 @@ std::string controller_version_request();
 std::string outputs_request(double frequency_hz, const std::vector<std::string>& names);
 std::string inputs_request(const std::vector<std::string>& names);
 std::string start_request();
-std::string pause_request();
 std::string data_package(std::uint8_t recipe, const std::vector<RtdeValue>& values);
 
 std::string flag_reply(RtdeKind kind, bool is_accepted);

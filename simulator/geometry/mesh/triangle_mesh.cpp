@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "core/disjoint_sets.h"
 #include "core/index.h"
 #include "simulator/geometry/mesh/mesh_edges.h"
 
@@ -16,32 +17,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Disjoint sets with path halving; the smallest member stands for its set, so the result does not
-/// depend on the order of the unions.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::int32_t{0});
-  }
-
-  std::int32_t find(std::int32_t i) {
-    while (parent_[index(i)] != i) {
-      parent_[index(i)] = parent_[index(parent_[index(i)])];
-      i = parent_[index(i)];
-    }
-    return i;
-  }
-
-  void unite(std::int32_t a, std::int32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[index(std::max(a, b))] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::int32_t> parent_;
-};
-
 int corner_at(const Triangle& triangle, std::int32_t vertex) {
   return triangle[0] == vertex ? 0 : (triangle[1] == vertex ? 1 : 2);
 }
@@ -49,8 +24,8 @@ int corner_at(const Triangle& triangle, std::int32_t vertex) {
 /// Joins the corners of two triangles at both ends of the edge they share.
 void join_across(const TriangleMesh& mesh, const MeshEdge& edge, DisjointSets& corners) {
   for (const std::int32_t vertex : {edge.from, edge.to}) {
-    corners.unite(3 * edge.triangle_a + corner_at(mesh.triangles[index(edge.triangle_a)], vertex),
-                  3 * edge.triangle_b + corner_at(mesh.triangles[index(edge.triangle_b)], vertex));
+    corners.join(3 * edge.triangle_a + corner_at(mesh.triangles[index(edge.triangle_a)], vertex),
+                 3 * edge.triangle_b + corner_at(mesh.triangles[index(edge.triangle_b)], vertex));
   }
 }
 

@@ -54,7 +54,8 @@ TEST(RtdeSession, SendsAtTheRateAskedForUntilPaused) {
     EXPECT_EQ(bench.packages(), 0) << "not started";
     EXPECT_EQ(bench.session.on_bytes(start_request()), flag_reply(RtdeKind::kStart, true));
     EXPECT_NEAR(bench.packages(), rate_hz, 1.0);
-    EXPECT_EQ(bench.session.on_bytes(pause_request()), flag_reply(RtdeKind::kPause, true));
+    EXPECT_EQ(bench.session.on_bytes(rtde_package(RtdeKind::kPause, {})),
+              flag_reply(RtdeKind::kPause, true));
     EXPECT_EQ(bench.packages(), 0);
   }
 }

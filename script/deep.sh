@@ -5,35 +5,43 @@
 # takes hours. To be sourced after common.sh. A part is a function deep_<name>; each is meant to
 # stay below 40 minutes on two cores, so that one can be run at a time.
 
-# part, minutes on two cores when it was last measured, what it does
+# part, what it does
 deep_parts='
-clang          - the fast tests, built by clang
-release        - the release build of program and benchmarks
-asan           - the fast tests but those of studies and cli, under AddressSanitizer and UBSan
-asan_studies   - those of studies and cli, under AddressSanitizer and UBSan
-tsan           - tests of core, optimizer and studies under ThreadSanitizer
-tsan_hardware  - tests of hardware under ThreadSanitizer
-tidy_core      - clang-tidy on core, metrics, optimizer, defects and cli
-tidy_simulator - clang-tidy on simulator
-tidy_studies   - clang-tidy on studies
-tidy_hardware  - clang-tidy on hardware
-tidy_tests     - clang-tidy on tests
-fuzz           - each fuzzer for a minute
-optuna         - Optuna opens exported runs, with its importances and plots; left out with a word where it cannot be installed
-slow           - tests labelled slow, but those below
-slow_loop      - the loop of robot_cell in small pictures, and the hand-eye of three cells in whole ones
-slow_docs      - the commands of the pages, predicted costs, the package
-slow_search    - the searches of the gallery again, from their study files
-slow_golden    - every file that the studies of the gallery write, against its digest
-slow_changes   - two hundred known changes that glint compare names, and twenty of roughness; goes on where it was when it is run again
-slow_stranger  - eleven parts that no study was made for: glint new, glint run, the verdict
+clang          the fast tests, built by clang
+release        the release build of program and benchmarks
+asan           the fast tests but those of studies and cli, under AddressSanitizer and UBSan
+asan_studies   those of studies and cli, under AddressSanitizer and UBSan
+tsan           tests of core, optimizer and studies under ThreadSanitizer
+tsan_hardware  tests of hardware under ThreadSanitizer
+tidy_core      clang-tidy on core, metrics, optimizer, defects and cli
+tidy_simulator clang-tidy on simulator
+tidy_studies   clang-tidy on studies
+tidy_hardware  clang-tidy on hardware
+tidy_tests     clang-tidy on tests
+fuzz           each fuzzer for a minute
+optuna         Optuna opens exported runs, with its importances and plots; left out with a word where it cannot be installed
+slow           tests labelled slow, but those below
+slow_loop      the loop of robot_cell in small pictures, and the hand-eye of three cells in whole ones
+slow_docs      the commands of the pages, predicted costs, the package
+slow_search    the searches of the gallery again, from their study files
+slow_golden    every file that the studies of the gallery write, against its digest
+slow_changes   two hundred known changes that glint compare names, and twenty of roughness; goes on where it was when it is run again
+slow_stranger  eleven parts that no study was made for: glint new, glint run, the verdict
 '
 
 list_deep_parts() {
   printf '%-15s %-7s %s\n' part minutes 'what it does'
-  printf '%s\n' "$deep_parts" | while read -r name minutes text; do
-    [[ -z $name ]] || printf '%-15s %-7s %s\n' "$name" "$minutes" "$text"
+  printf '%s\n' "$deep_parts" | while read -r name text; do
+    [[ -z $name ]] || printf '%-15s %-7s %s\n' "$name" "$(last_minutes "$name")" "$text"
   done
+}
+
+# How long a part took when it last passed on this machine, as report_part() wrote it down; "-": it
+# never did.
+last_minutes() { # part
+  local told=$root/build/deep/parts.txt minutes=-
+  [[ ! -f $told ]] || minutes=$(awk -v part="$1" '$2 == part && $5 == "passed" { last = $3 } END { print last == "" ? "-" : last }' "$told")
+  echo "$minutes"
 }
 
 # ctest on a preset's folder, two tests at once.

@@ -183,7 +183,7 @@ Study two_lights_study(const std::vector<KeyValue>& sets) {
 /// All of its points exact.
 Frontier marked_frontier(const Study& study) {
   Frontier frontier;
-  frontier.reference.method.follows_paths = true;
+  frontier.reference.method.is_noisy = true;
   frontier.points = frontier_methods(study.scene);
   find_branch(study, frontier);
   mark_choice(study, frontier);

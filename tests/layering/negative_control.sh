@@ -64,6 +64,17 @@ add core/error.cpp 'std::cout << 1;'
 expect_found "core/error.cpp:4: prints"
 add defects/a.cpp 'thread_local int count = 0;'
 expect_found "defects/a.cpp:3: keeps state of a thread"
+for line in 'return note.find(words) != note.npos;' 'if (cell.message.starts_with("The wall")) {' \
+  'return std::string_view(error.what()).ends_with("px");'; do
+  add cli/main.cpp "$line"
+  expect_found "cli/main.cpp:4: searches a text that people read"
+done
+clean_tree
+printf '%s\n' "message = message.substr(0, message.find('\\n'));" >>"$tree/cli/main.cpp"
+if ! output=$(bash "$check" "$tree"); then
+  echo "the first line of a message does not pass: $output"
+  failures=$((failures + 1))
+fi
 add core/error.cpp "const char* p = \"/ho""me/ann/part.stl\";"
 expect_found "core/error.cpp:4: names a path of one machine"
 

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A part with imprints as the part at first, shared by all copies, and what each imprint took and
+// added: a block of faces with a box tree of its own. So an imprint costs what it touches, not what
+// the part holds, and a refused one is undone by dropping a copy; a search looks into the tree of
+// every block. Only result() goes over all faces and renumbers them. docs/theory/imprint.md,
+// "Boolean operation".
 #include "defects/boolean/imprint_state.h"
 
 #include <algorithm>

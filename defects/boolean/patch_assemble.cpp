@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What is kept after the cut: of the part the pieces outside the tool, of the tool the pieces
+// inside the part (turned over, where it is cut out) or outside it (where it is added). Faces that
+// no cut has split stay what they are, so that an imprint changes its ring alone; points on the
+// seam are taken from the part once, so that the surfaces join without a gap. The volume follows
+// from the divergence theorem, as both surfaces have the same border. Cost: linear in the faces of
+// ring and tool. docs/theory/imprint.md, "Boolean operation".
 #include "defects/boolean/patch_assemble.h"
 
 #include <algorithm>

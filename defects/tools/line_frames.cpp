@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Frames come from the path's own tangents and normals, interpolated between its points, not
+// transported along it: a tool stands on the surface everywhere. Where the path bends too sharply
+// for a section, the frame is averaged over a window, nine places of it. A path is cut where it has
+// turned by 2.75 rad (157 degrees) to one side, since the ends of a tool would meet behind the
+// part. docs/theory/imprint.md, "Tools".
 #include "defects/tools/line_frames.h"
 
 #include <algorithm>

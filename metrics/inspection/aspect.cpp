@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Codes are summed as integers in 32 bits, which 65,536 frames of 16 bits fill, and divided once:
+// the correctly rounded mean, the same bytes for any number of threads and on any machine. Floats
+// are summed in double in the order of the frames. Bands of rows go to the threads. Cost: one pass
+// over the frames, bound by memory. docs/theory/inspection.md, "Mean image".
 #include "metrics/inspection/aspect.h"
 
 #include <algorithm>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/evaluation/lighting_totals.h"
 
-#include <algorithm>
-#include <vector>
+#include <optional>
 
 #include <Eigen/Core>
 

@@ -285,6 +285,9 @@ AccuracyCheck check_search(const AccuracyTask& task,
     result.designs.push_back(compared(part, *trial, is_finalist, part.top(), top));
     result.designs.back().branch = chosen.index_of(trial->point);
   }
+  std::erase_if(result.undecided, [&](int trial) {  // evaluated at the top since
+    return std::ranges::find(result.designs, trial, &CheckedDesign::trial) != result.designs.end();
+  });
   result.winner = best_at_top(task.study, result.designs);
   return result;
 }

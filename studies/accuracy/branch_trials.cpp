@@ -220,7 +220,8 @@ class BranchTrials {
     return lost.empty() ? std::string(kUnranked)
                         : fmt::format(
                               "no way to render that a search may use renders all designs with {}; "
-                              "the dearest are taken",
+                              "it takes the dearest, and the others their cheapest, whose order "
+                              "was not judged",
                               join(lost, " or "));
   }
 

@@ -109,7 +109,10 @@ std::optional<SampledCheck> check_from(const ChosenAccuracy& part, const Outcome
 }  // namespace
 
 bool may_be_sampled(const AccuracyTask& task, const ChosenAccuracy& part) {
-  if (!part.choice.problem.empty() || (task.evaluate && !task.sample)) {
+  // Exposure or samples that follow from the whole picture.
+  const SceneSettings& scene = task.study.scene;
+  if (scene.expose_to > 0.0 || scene.paths.relative_error > 0.0 || !part.choice.problem.empty() ||
+      (task.evaluate && !task.sample)) {
     return false;
   }
   const std::vector<ScoreBound>& bounds = bounds_at_rung(part);

@@ -341,6 +341,7 @@ std::optional<CheckedDesign> SearchReview::confirmed(Part& part,
     estimated.scores[score] = scores.at(score) + found.difference;
   }
   CheckedDesign design = compared(part.chosen, *trial, is_finalist, dearer, estimated);
+  design.dearer = {};
   design.sampled = sample;
   return design;
 }

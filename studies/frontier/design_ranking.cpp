@@ -155,13 +155,22 @@ class Ranking {
     }
   }
 
+  /// Its choices are those of the branch: before variables that do not count get their middle.
+  std::vector<double> in_own_branch(std::vector<double> unit) const {
+    if (frontier_.branch) {
+      const std::vector<double> own =
+          unit_from_point(study_.space, baseline_of(study_, *frontier_.split, *frontier_.branch));
+      for (const BranchChoice& choice : frontier_.split->choices) {
+        unit[choice.variable] = own[choice.variable];
+      }
+    }
+    return unit;
+  }
+
   std::optional<SceneSettings> design(std::uint32_t index) const {
     const Sobol sequence(kDesignSeed, static_cast<int>(study_.space.variables.size()));
     try {
-      Point point = point_from_unit(study_.space, sequence.point(index));
-      if (frontier_.branch) {
-        point = in_branch(study_, *frontier_.split, *frontier_.branch, point);
-      }
+      const Point point = point_from_unit(study_.space, in_own_branch(sequence.point(index)));
       return with_larger_pixels(scene_with(study_, overrides_of(study_, point)),
                                 frontier_.pixel_factor);
     } catch (const ConfigError&) {

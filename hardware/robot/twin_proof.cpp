@@ -125,19 +125,24 @@ std::optional<std::string> ask_side_channel(const std::filesystem::path& socket,
   return reply_on(descriptor, timeout_s);
 }
 
-bool is_proven_twin(const std::string& host, int rtde_port) {
+std::optional<std::uint64_t> proven_token(const std::string& host, int rtde_port) {
   try {
     const auto said = ask_side_channel(twin_socket_path(rtde_port), "token");
     std::uint64_t token = 0;
     if (!said || said->empty() ||
         std::from_chars(said->data(), said->data() + said->size(), token).ptr !=
             said->data() + said->size()) {
-      return false;
+      return std::nullopt;
     }
-    return token != 0 && token_by_rtde(host, rtde_port) == token;
+    const bool is_proven = token != 0 && token_by_rtde(host, rtde_port) == token;
+    return is_proven ? std::optional(token) : std::nullopt;
   } catch (const IoError&) {
-    return false;
+    return std::nullopt;
   }
+}
+
+bool is_proven_twin(const std::string& host, int rtde_port) {
+  return proven_token(host, rtde_port).has_value();
 }
 
 }  // namespace glint

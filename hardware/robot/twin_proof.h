@@ -25,7 +25,9 @@ std::optional<std::string> ask_side_channel(const std::filesystem::path& socket,
                                             const std::string& line,
                                             double timeout_s = 1.0);
 
-/// True when RTDE and side channel of that port tell the same token.
+/// The token that RTDE and side channel of that port both tell; none: it is no twin of this user.
+std::optional<std::uint64_t> proven_token(const std::string& host, int rtde_port);
+
 bool is_proven_twin(const std::string& host, int rtde_port);
 
 }  // namespace glint

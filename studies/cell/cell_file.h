@@ -16,6 +16,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -93,6 +94,7 @@ struct Cell {
   /// Ready file of twins whose addresses the devices have: nothing else is driven. Empty: the
   /// cell's own devices.
   std::filesystem::path twins;
+  std::optional<std::uint64_t> twin_token;  ///< of the robot's twin, as the ready file has it
 };
 
 void visit_keys(KeyVisitor& keys, CellCamera& camera);

@@ -49,6 +49,14 @@ class ReadyTwin {
     return static_cast<int>(port);
   }
 
+  /// The number by which a twin is told from one that took its port later.
+  std::uint64_t token() const {
+    if (!twin_.contains("token") || !twin_["token"].is_number_unsigned()) {
+      refuse("token", "must be the number that the twin was given when it began to serve");
+    }
+    return twin_["token"].get<std::uint64_t>();
+  }
+
   std::string address() const {
     constexpr std::uint32_t kLoopback = 127;
     std::string address = text("address");
@@ -90,6 +98,11 @@ void take_stage(const ReadyTwin& twin, CellStage& stage) {
 class TwinsOfFile {
  public:
   explicit TwinsOfFile(const std::filesystem::path& file) : file_(file), ready_(read_ready(file)) {}
+
+  std::optional<std::uint64_t> robot_token() const {
+    const Json* robot = twin_of_kind(ready_, "robot");
+    return robot == nullptr ? std::nullopt : std::optional(ReadyTwin(file_, *robot).token());
+  }
 
   /// @param is_driven  else a device without a twin is left out
   template <class Device>
@@ -152,6 +165,9 @@ Cell with_ports(Cell cell, const std::filesystem::path& ready_file, DrivenDevice
   if (cell.stage && cell.stage->kind == CellStage::Kind::kGrbl) {  // the others move nothing
     twins.take("stage", is_all, take_stage, cell.stage);
   }
+  if (cell.robot) {
+    cell.twin_token = twins.robot_token();
+  }
   cell.twins = ready_file;
   return cell;
 }
@@ -160,20 +176,21 @@ bool is_robot_twin(const Cell& cell) {
   constexpr int kTries = 3;  // of a twin on a busy machine, whose proof may be late
   const UrSettings& robot = robot_of(cell);
   const bool must_be_twin = !cell.twins.empty();
-  for (int i = 0; i < (must_be_twin ? kTries : 1); ++i) {
-    if (is_proven_twin(robot.host, robot.rtde_port)) {
-      return true;
-    }
+  std::optional<std::uint64_t> token;
+  for (int i = 0; !token && i < (must_be_twin ? kTries : 1); ++i) {
+    token = proven_token(robot.host, robot.rtde_port);
   }
-  if (must_be_twin) {
+  if (must_be_twin && (!token || token != cell.twin_token)) {
     throw IoError(fmt::format(
-        "{}: what is at {}:{} does not prove that it is a twin of yours; with --twin nothing else "
-        "is driven, and nothing was sent to it that moves or changes it",
+        "{}: what is at {}:{} {}; with --twin nothing else is driven, and nothing was sent to it "
+        "that moves or changes it",
         cell.twins.string(),
         robot.host,
-        robot.rtde_port));
+        robot.rtde_port,
+        token ? "is another twin than the file's: its token differs"
+              : "does not prove that it is a twin of yours"));
   }
-  return false;
+  return token.has_value();
 }
 
 }  // namespace glint

@@ -28,14 +28,16 @@ std::filesystem::path side_channel_in(const std::filesystem::path& file,
 /// Which devices of a cell a verb drives.
 enum class DrivenDevices { kRobot, kCamera, kAll };
 
-/// A cell of nothing but twins: ports of its robot, addresses of its camera and linear stage are
-/// those of a ready file. What has no twin there and is not driven is left out of the cell.
-/// @throws ConfigError for what is driven and has no twin, for ports that wrong_port() names, and
-///         for addresses that are not of 127.0.0.0/8, which twins alone serve: such a file leads
-///         to something else; IoError
+/// A cell of nothing but twins: ports and token of its robot, addresses of its camera and linear
+/// stage are those of a ready file. What has no twin there and is not driven is left out of the
+/// cell.
+/// @throws ConfigError for what is driven and has no twin, for ports that wrong_port() names, for a
+///         twin of the robot without a token, and for addresses that are not of 127.0.0.0/8, which
+///         twins alone serve: such a file leads to something else; IoError
 Cell with_ports(Cell cell, const std::filesystem::path& ready_file, DrivenDevices driven);
 
-/// Whether the robot of the cell proves that it is a twin (twin_proof.h).
+/// Whether the robot of the cell proves that it is a twin (twin_proof.h); where the cell is one of
+/// twins, the one of the ready file.
 /// @throws IoError when it does not and the cell is one of twins: nothing else is driven then;
 ///         ConfigError when the cell has no robot
 bool is_robot_twin(const Cell& cell);

@@ -180,7 +180,7 @@ TEST(CellSafety, WithTwinWhatDoesNotProveToBeOneIsNotDriven) {
   write_file(folder / "cell.toml", cell_text(30004, 30001, 30002, 29999));
   write_file(folder / "twin.json",
              fmt::format(R"({{"pid": 1, "twins": [{{"kind": "robot", "address": "127.0.0.1",
-"rtde_port": {}, "primary_port": {}, "secondary_port": {}, "dashboard_port": {}}}]}})",
+"rtde_port": {}, "primary_port": {}, "secondary_port": {}, "dashboard_port": {}, "token": 5}}]}})",
                          rtde.port(),
                          primary.port(),
                          primary.port(),

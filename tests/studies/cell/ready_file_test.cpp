@@ -8,8 +8,12 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "hardware/twin/robot/twin_server.h"
+#include "studies/cell/twin_process.h"
+#include "tests/studies/cell/ur3_cells.h"
 #include "tests/support/loopback_listener.h"
 #include "tests/support/temporary_folder.h"
 
@@ -17,10 +21,11 @@ namespace glint {
 namespace {
 
 using testing::HasSubstr;
+using Json = nlohmann::ordered_json;
 
 const std::string kReadyTwins = R"({"pid": 7, "twins": [
 {"kind": "robot", "address": "127.0.0.1", "rtde_port": 40004, "primary_port": 40001,
- "secondary_port": 40002, "dashboard_port": 40003},
+ "secondary_port": 40002, "dashboard_port": 40003, "token": 18446744073709551615},
 {"kind": "camera", "address": "127.0.0.5"},
 {"kind": "stage", "address": "127.0.0.1", "port": 40005}]})";
 
@@ -49,6 +54,7 @@ TEST(ReadyFile, TakesACellToItsTwins) {
   EXPECT_EQ(cell.robot->primary_port, 40001);
   EXPECT_EQ(cell.robot->secondary_port, 40002);
   EXPECT_EQ(cell.robot->dashboard_port, 40003);
+  EXPECT_EQ(cell.twin_token, 18446744073709551615U);
   EXPECT_EQ(cell.camera->address, "127.0.0.5");
   EXPECT_EQ(cell.stage->host, "127.0.0.1");
   EXPECT_EQ(cell.stage->port, 40005);
@@ -59,7 +65,7 @@ std::string ready_with(const std::vector<std::string>& kinds) {
   const std::map<std::string, std::string> twins = {
       {"robot",
        R"({"kind": "robot", "address": "127.0.0.1", "rtde_port": 40004, "primary_port": 40001,
-           "secondary_port": 40002, "dashboard_port": 40003})"},
+           "secondary_port": 40002, "dashboard_port": 40003, "token": 5})"},
       {"camera", R"({"kind": "camera", "address": "127.0.0.5"})"},
       {"stage", R"({"kind": "stage", "address": "127.0.0.1", "port": 40005})"}};
   std::string list;
@@ -127,6 +133,27 @@ TEST(ReadyFile, OfTwinsThatHaveEndedLeadsToNothingThatIsDriven) {
   EXPECT_FALSE(is_robot_twin(cell)) << "without --twin it is a robot like any other";
 }
 
+// As one that has taken the port of the file's twin, which has ended.
+TEST(ReadyFile, LeadsToNoOtherTwinThanItsOwn) {
+  const TemporaryFolder folder;
+  write_file(folder / "cell.toml", test::kUr3Cell);
+  const Cell cell = read_cell(folder / "cell.toml");
+  const TwinServer server(robot_twin_settings(cell, 0));
+  Json twin = robot_twin_description(server);
+  const auto is_twin = [&] {
+    const Json ready = {{"pid", 7}, {"twins", Json::array({twin})}};
+    write_file(folder / "twins.json", ready.dump());
+    return is_robot_twin(with_ports(cell, folder / "twins.json", DrivenDevices::kRobot));
+  };
+  EXPECT_TRUE(is_twin());
+  twin["token"] = server.token() - 1;
+  EXPECT_THAT(text_thrown_by<IoError>([&] { is_twin(); }),
+              HasSubstr("is another twin than the file's"));
+  twin.erase("token");
+  EXPECT_THAT(text_thrown_by<ConfigError>([&] { is_twin(); }),
+              HasSubstr("token of the twin \"robot\": must be the number"));
+}
+
 // No twin is there: the file would lead to a robot, by names or numbers.
 TEST(ReadyFile, ThatLeadsElsewhereIsRefused) {
   for (const char* elsewhere : {"192.168.0.10", "0.0.0.0", "128.0.0.1", "robot.example", ""}) {
@@ -145,6 +172,11 @@ TEST(ReadyFile, WhatOnlyAsksIsNotSentToPortsThatTakeScripts) {
 TEST(ReadyFile, SlipsAreNamed) {
   for (const char* slip : {"0", "65536", "-4", "4.5", "\"40004\"", "null"}) {
     EXPECT_THAT(ready_problem("40004", slip), HasSubstr("rtde_port")) << slip;
+  }
+  for (const char* slip : {"-1", "1.5", "\"1\"", "null"}) {
+    EXPECT_THAT(ready_problem("18446744073709551615", slip),
+                HasSubstr("token of the twin \"robot\": must be the number"))
+        << slip;
   }
   EXPECT_THAT(ready_problem("\"127.0.0.5\"", "5"), HasSubstr("address of the twin \"camera\""));
   EXPECT_THAT(ready_problem("{\"kind\": \"camera\", \"address\": \"127.0.0.5\"}", "5"),

@@ -171,8 +171,10 @@ AcquireArguments checked_driven(const Study& study, AcquireArguments driven) {
   if (study.scene.validate && !driven.is_move) {
     driven.cell = planned_cell(study, driven);
   }
-  if (!driven.cell.empty()) {
+  if (driven.is_move) {
     driven_cell(driven);
+  } else if (!driven.cell.empty()) {  // twins that are told of may begin to serve later
+    read_cell(driven.cell);
   }
   return driven;
 }

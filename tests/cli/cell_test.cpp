@@ -218,6 +218,17 @@ TEST(Cell, ARunPlansEachDesignForTheStudysCellAndTellsHowToAcquireIt) {
   EXPECT_EQ(json::parse(plan)["views"][0]["outcome"], "planned");
 }
 
+// What the commands that follow are to be driven with.
+TEST(Cell, ARunThatMovesNothingNeedsNoTwinsYet) {
+  const TemporaryFolder folder;
+  write_file(folder / "cell.toml", cell_text(1, 2, 3, 4));
+  write_file(folder / "study.toml", study_in_cell());
+  const ProgramResult result =
+      glint_in(folder, {"run", "study.toml", "--out", "run", "--twin", "twin.json"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr(" --twin twin.json --move\n"));
+}
+
 // As a shell takes it: a slash at the run's end does not put the pictures into it, and what was
 // typed of how to drive is not lost.
 TEST(Cell, ARunTellsHowToAcquireAsItIsToBePasted) {

@@ -13,7 +13,6 @@
 #include "core/wall_clock.h"
 #include "hardware/robot/dashboard.h"
 #include "hardware/robot/protocol/dashboard_text.h"
-#include "hardware/robot/twin_proof.h"
 #include "hardware/robot/ur_robot.h"
 #include "studies/cell/ready_file.h"
 
@@ -219,10 +218,11 @@ Json head_json(const Cell& cell, bool is_twin) {
 
 Json robot_status(const Cell& cell) {
   const UrSettings& settings = robot_of(cell);
+  const bool is_twin = is_robot_twin(cell);
   const ArmWithTool arm = arm_with_tool(settings, cell.limits);
   const UrRobot robot(settings, arm);
   const RobotState state = *robot.state();
-  Json json = head_json(cell, is_proven_twin(settings.host, settings.rtde_port));
+  Json json = head_json(cell, is_twin);
   json["status"] = "done";
   json["ok"] = true;
   json["controller"] = robot.controller().text();
@@ -244,6 +244,7 @@ Json watch_robot(const Cell& cell,
                  double every_s,
                  const std::function<bool(const Json&)>& tell) {
   const UrSettings& settings = robot_of(cell);
+  const bool is_twin = is_robot_twin(cell);
   const UrRobot robot(settings, arm_with_tool(settings, cell.limits));
   const auto start = std::chrono::steady_clock::now();
   int count = 0;
@@ -254,7 +255,7 @@ Json watch_robot(const Cell& cell,
     }
     std::this_thread::sleep_for(std::chrono::duration<double>(every_s));
   }
-  Json json = head_json(cell, is_proven_twin(settings.host, settings.rtde_port));
+  Json json = head_json(cell, is_twin);
   const auto halted = robot.halted();
   json["status"] = "done";
   json["ok"] = !halted.has_value();

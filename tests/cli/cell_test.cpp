@@ -187,6 +187,8 @@ TEST(CellSafety, WithTwinWhatDoesNotProveToBeOneIsNotDriven) {
                          dashboard.port()));
   std::vector<Arguments> calls = moving_calls({"--twin", "twin.json", "--move"});
   std::erase_if(calls, [](const Arguments& call) { return call[0] != "cell"; });
+  calls.push_back({"cell", "status", "cell.toml", "--twin", "twin.json"});
+  calls.push_back({"cell", "watch", "cell.toml", "--twin", "twin.json"});
   for (const ProgramResult& result : glint_at_once(folder, calls)) {
     EXPECT_EQ(result.code, 3) << result.err;
     EXPECT_THAT(result.err, HasSubstr("does not prove that it is a twin"));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <initializer_list>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -202,12 +203,15 @@ std::string script_refusal(const Json& dashboard) {
   if (dashboard.contains("error")) {
     return dashboard["error"].get<std::string>();
   }
-  if (dashboard.contains("remote_control") &&
-      flag_of_reply(dashboard["remote_control"].get<std::string>()) != true) {
-    return fmt::format("remote control is off (\"{}\")",
-                       dashboard["remote_control"].get<std::string>());
+  if (!dashboard.contains("remote_control")) {
+    return {};
   }
-  return {};
+  const auto reply = dashboard["remote_control"].get<std::string>();
+  const std::optional<bool> is_remote = flag_of_reply(reply);
+  if (!is_remote) {
+    return fmt::format("the dashboard does not tell whether remote control is on (\"{}\")", reply);
+  }
+  return *is_remote ? std::string() : fmt::format("remote control is off (\"{}\")", reply);
 }
 
 Json head_json(const Cell& cell, bool is_twin) {

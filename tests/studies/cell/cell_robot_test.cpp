@@ -3,6 +3,10 @@
 // What is told of a robot that is not ready, by a twin in this process.
 #include "studies/cell/cell_robot.h"
 
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <future>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -12,6 +16,7 @@
 #include "hardware/twin/robot/twin_server.h"
 #include "studies/cell/twin_process.h"
 #include "tests/studies/cell/ur3_cells.h"
+#include "tests/support/loopback_listener.h"
 #include "tests/support/temporary_folder.h"
 
 namespace glint {
@@ -59,6 +64,23 @@ TEST(RobotStatus, TellsThatAnESeriesTakesNoScripts) {
   const Json status = robot_status(robot.cell);
   EXPECT_EQ(status["movable"], false);
   EXPECT_THAT(status["not_movable_because"].get<std::string>(), HasSubstr("remote control is off"));
+}
+
+// It greets, and is gone: nobody knows whether it is off.
+TEST(RobotStatus, TellsThatTheDashboardDoesNotTellOfRemoteControl) {
+  RobotOfCell robot("ur3e");
+  const LoopbackListener dashboard;
+  robot.cell.robot->dashboard_port = dashboard.port();
+  const auto greeting = std::async(std::launch::async, [&dashboard] {
+    const std::string hello = "Connected: Universal Robots Dashboard Server\n";
+    const int peer = dashboard.accept(2000);
+    ::send(peer, hello.data(), hello.size(), MSG_NOSIGNAL);
+    ::close(peer);
+  });
+  const Json status = robot_status(robot.cell);
+  EXPECT_EQ(status["movable"], false);
+  EXPECT_THAT(status["not_movable_because"].get<std::string>(),
+              HasSubstr("does not tell whether remote control is on"));
 }
 
 TEST(UnlockRobot, SendsNothingWhereThereIsNoProtectiveStop) {

@@ -33,7 +33,8 @@ Cell driven_cell(const AcquireArguments& arguments) {
 }
 
 AcquireOptions driven_options(const AcquireArguments& arguments) {
-  // Before anything else is read. What has all its pictures needs no twins any more.
+  // Before anything else is read. A round of glint calibrate that has all its pictures needs no
+  // twins any more: there the file may be gone, and elsewhere that is told later.
   if (!arguments.twin.empty() && std::filesystem::exists(arguments.twin)) {
     driven_cell(arguments);
   }

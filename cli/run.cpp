@@ -172,7 +172,7 @@ AcquireArguments checked_driven(const Study& study, AcquireArguments driven) {
     driven.cell = planned_cell(study, driven);
   }
   if (driven.is_move) {
-    driven_cell(driven);
+    throw_if_any(shared_outputs(driven_cell(driven)));
   } else if (!driven.cell.empty()) {  // twins that are told of may begin to serve later
     read_cell(driven.cell);
   }

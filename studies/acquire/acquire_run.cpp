@@ -137,6 +137,14 @@ bool is_whole(const Prepared& ready) {
   });
 }
 
+/// Pictures that are there need no lights any more.
+void check_lights(const Prepared& ready) {
+  const std::vector<Problem> problems = shared_outputs(ready.cell);
+  if (!problems.empty() && !is_whole(ready)) {
+    throw_if_any(problems);
+  }
+}
+
 /// Whether acquired.json was written after the last picture was taken, and each view has its mean.
 bool tells_all(const Prepared& ready) {
   const Acquired acquired = read_acquired(ready.folder);
@@ -306,6 +314,7 @@ class Session {
 
 Json describe_acquisition(const AcquireOptions& options) {
   const Prepared ready = prepare(options);
+  check_lights(ready);
   const Json next = described_step(ready, options);
   const Json views = described_tasks(
       ready.work.plan.tasks, whole_pictures(ready.folder, ready.digest, ready.work.grounds));
@@ -340,6 +349,7 @@ Json acquire_pictures(const AcquireOptions& options,
                       const MotionPermit& permit) {
   const auto start = std::chrono::steady_clock::now();
   const Prepared ready = prepare(options);
+  check_lights(ready);
   if (const auto wish = open_wish(ready, options, prototypes)) {
     return waiting(ready, next_step(prototypes.design_in(options.source), *wish, options.mounted));
   }

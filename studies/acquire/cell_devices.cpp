@@ -35,6 +35,7 @@ CellDevices::CellDevices(
     const std::function<bool(const std::string& light, const std::string& what)>& confirm,
     int positions,
     double step_mm) {
+  throw_if_any(shared_outputs(cell));
   const UrSettings& robot = robot_of(cell);
   is_twin_ = is_robot_twin(cell);
   robot_ = std::make_unique<UrRobot>(robot, arm_with_tool(robot, cell.limits));

@@ -94,6 +94,8 @@ std::vector<CellLight> read_lights(const ConfigNode& root, std::vector<Problem>&
     CellLight light = {.name = tables->names[i]};
     KeyReader reader(&tables->items[i], "lights." + light.name, errors);
     visit_keys(reader, light);
+    const ConfigNode* output = tables->items[i].find("output");
+    light.output_place = output != nullptr ? output->place : tables->items[i].place;
     reader.report_unknown();
     lights.push_back(light);
   }
@@ -187,31 +189,6 @@ void check_tables(const ConfigNode& root, std::vector<Problem>& errors) {
                         .key = root.names[i],
                         .text = "is no table of a cell; there are " + quoted_list(kTables)});
     }
-  }
-}
-
-/// Two lights on one output would be switched together. @param tables  of the lights, in their
-/// order
-void check_outputs(const ConfigNode& tables,
-                   const std::vector<CellLight>& lights,
-                   std::vector<Problem>& errors) {
-  for (auto light = lights.begin(); light != lights.end(); ++light) {
-    const auto same = std::find_if(lights.begin(), light, [&light](const CellLight& other) {
-      return other.kind == light->kind && other.output == light->output;
-    });
-    if (light->kind == CellLight::Kind::kManual || same == light) {
-      continue;
-    }
-    const ConfigNode& table = tables.items[static_cast<std::size_t>(light - lights.begin())];
-    const ConfigNode* output = table.find("output");
-    errors.push_back(
-        {.kind = Problem::Kind::kRelation,
-         .place = output != nullptr ? output->place : table.place,
-         .key = fmt::format("lights.{}.output", light->name),
-         .text = fmt::format("is {}, as that of lights.{}, which would be switched with it; each "
-                             "light needs an output of its own, from 0 to 7",
-                             light->output,
-                             same->name)});
   }
 }
 
@@ -321,13 +298,30 @@ Cell read_cell(const std::filesystem::path& path) {
   cell.safe_positions = read_positions(root, "safe_position", false, errors);
   cell.views = read_positions(root, "view", true, errors);
   cell.planning = read_cell_planning(root, errors);
-  const ConfigNode* lights = root.find("lights");
-  if (lights != nullptr && errors.empty()) {  // no output is a default in a wrong one's place
-    check_outputs(*lights, cell.lights, errors);
-  }
   check_relations(root, cell, errors);
   throw_if_any(errors);
   return cell;
+}
+
+std::vector<Problem> shared_outputs(const Cell& cell) {
+  std::vector<Problem> problems;
+  for (auto light = cell.lights.begin(); light != cell.lights.end(); ++light) {
+    const auto same = std::find_if(cell.lights.begin(), light, [&light](const CellLight& other) {
+      return other.kind == light->kind && other.output == light->output;
+    });
+    if (light->kind == CellLight::Kind::kManual || same == light) {
+      continue;
+    }
+    problems.push_back(
+        {.kind = Problem::Kind::kRelation,
+         .place = light->output_place,
+         .key = fmt::format("lights.{}.output", light->name),
+         .text = fmt::format("is {}, as that of lights.{}, which would be switched with it; each "
+                             "light needs an output of its own, from 0 to 7",
+                             light->output,
+                             same->name)});
+  }
+  return problems;
 }
 
 const UrSettings& robot_of(const Cell& cell) {

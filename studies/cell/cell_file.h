@@ -66,6 +66,7 @@ struct CellLight {
   Kind kind = Kind::kDigitalOutput;
   int output = 0;         ///< 0 to 7: of the standard digital outputs
   double settle_s = 0.1;  ///< until it shines evenly
+  Place output_place;     ///< of the output; of the table where that has none
 };
 
 /// [[safe_position]] and [[view]]
@@ -102,6 +103,10 @@ void visit_keys(KeyVisitor& keys, CellLight& light);
 
 /// @throws ConfigError with the places of all problems, IoError
 Cell read_cell(const std::filesystem::path& path);
+
+/// Lights on an output that another one has, too: both would be switched together. Whoever drives
+/// the cell refuses them; planning, and pictures that are there, do not mind.
+std::vector<Problem> shared_outputs(const Cell& cell);
 
 /// The robot of a cell. @throws ConfigError when the file has no [robot]
 const UrSettings& robot_of(const Cell& cell);

@@ -194,5 +194,18 @@ TEST_F(PrototypesOfARun, AreWaitedForBeforeAnythingIsConnected) {
   EXPECT_THROW(describe_acquisition(options), ConfigError);
 }
 
+// Before anybody is asked for anything.
+TEST_F(PrototypesOfARun, AreNotAskedForWhereTwoLightsAreSwitchedTogether) {
+  std::string cell = kLonelyCell;
+  cell.replace(cell.find("output = 1"), 10, "output = 0");
+  write_file(folder_ / "cell.toml", cell);
+  const AcquireOptions options = {
+      .source = scene("wide"), .cell = folder_ / "cell.toml", .out = folder_ / "out"};
+  EXPECT_THROW(describe_acquisition(options), ConfigError);
+  EXPECT_THAT(text_thrown_by<ConfigError>(
+                  [&] { acquire_pictures(options, typed_permit(true, "acquire")); }),
+              HasSubstr("lights.bar.output: is 0, as that of lights.ring"));
+}
+
 }  // namespace
 }  // namespace glint

@@ -121,6 +121,37 @@ std::vector<std::string> sources_told_by(const Json& run) {
   return told;
 }
 
+/// Whether a told source was removed, renamed or moved.
+bool is_gone(const fs::path& source) {
+  std::error_code ignored;
+  return fs::status(source, ignored).type() == fs::file_type::not_found;
+}
+
+/// study.toml and scene.toml are called after their folder, and so are their results: they stand
+/// for it.
+fs::path named_source(const fs::path& source) {
+  const fs::path file = source.filename();
+  return file == "study.toml" || file == "scene.toml" ? source.parent_path() : source;
+}
+
+/// @param told, here  seen from the folder
+bool is_same_source(const fs::path& folder, const std::string& told, const std::string& here) {
+  std::error_code ignored;
+  return told == here ||
+         fs::equivalent(named_source(folder / told), named_source(folder / here), ignored);
+}
+
+/// A told source from the current folder where it lies below it, else with its full path.
+std::string shown_source(const fs::path& folder, const std::string& told) {
+  std::error_code ignored;
+  const fs::path whole = fs::weakly_canonical(fs::absolute(folder / told, ignored), ignored);
+  if (whole.empty()) {
+    return (folder / told).lexically_normal().string();
+  }
+  const fs::path near = whole.lexically_relative(fs::current_path(ignored));
+  return (near.empty() || *near.begin() == ".." ? whole : near).string();
+}
+
 /// Refuses a folder that holds results of some verb and some study.
 [[noreturn]] void throw_taken(const fs::path& folder, ResultKind kind) {
   const std::string study = study_of_folder(folder);
@@ -197,12 +228,17 @@ Json sources_seen_from(const fs::path& folder, const std::vector<fs::path>& sour
 void check_source_of_folder(const fs::path& folder, const std::vector<fs::path>& sources) {
   const std::vector<std::string> told = sources_told_by(run_json_in(folder));
   const std::vector<std::string> here = seen_from(folder, sources);
-  if (told.empty() || here.empty() || told == here) {
+  const bool is_same = std::ranges::equal(told, here, [&](const auto& one, const auto& other) {
+    return is_same_source(folder, one, other);
+  });
+  if (here.empty() || is_same || std::ranges::all_of(told, [&](const std::string& source) {
+        return is_gone(folder / source);
+      })) {
     return;
   }
   std::vector<std::string> shown;
   for (const std::string& source : told) {
-    shown.push_back((folder / source).lexically_normal().string());
+    shown.push_back(shown_source(folder, source));
   }
   throw ConfigError(
       fmt::format("{}: holds results of {}; choose another folder with --out, or this very one to "

@@ -76,7 +76,9 @@ nlohmann::ordered_json sources_seen_from(const std::filesystem::path& folder,
 
 /// Asks before anything is written to a default folder, which is called after what is read:
 /// out/pictures/calibrate is that of all folders which are called "pictures", out/gear/render that
-/// of each gear.toml. Not to be asked of a folder that was given with --out.
+/// of each gear.toml. Not to be asked of a folder that was given with --out. The same file by a
+/// link is the same, study.toml and scene.toml of one folder share theirs, and what is gone cannot
+/// be another one's.
 /// @param sources  what the results are to be made of, as sources_seen_from() tells it
 /// @throws ConfigError when run.json tells other sources than these
 void check_source_of_folder(const std::filesystem::path& folder,

@@ -89,6 +89,7 @@ TEST_F(CalibrateWords, DefaultFoldersTakeNoResultsOfAnotherFileOfTheSameName) {
         const std::filesystem::path before = std::filesystem::current_path();
         std::filesystem::current_path(folder_ / "");
         make_folder(out);
+        make_folder(left);
         mark_result_folder(out, kind, "", "../../../" + left);
         const std::string told = text_thrown_by<ConfigError>(call);
         std::filesystem::current_path(before);

@@ -107,8 +107,17 @@ TEST(ResultFolder, OfFilesOfAnotherFolderIsRefused) {
   EXPECT_NO_THROW(check_source_of_folder(out, {folder / "left/pictures"})) << "an older version's";
   write_file(out / "run.json", R"({"verb": "calibrate", "source": "../../../left/pictures"})");
   EXPECT_NO_THROW(check_source_of_folder(out, {folder / "left/pictures"}));
-  EXPECT_THAT(check("right/pictures"),
-              HasSubstr("holds results of " + (folder / "left/pictures").string() + "; choose"));
+  EXPECT_EQ(check("right/pictures"), "nothing thrown") << "the told ones were moved";
+  const fs::path left = folder / "left/pictures";
+  make_folder(left);
+  const std::string of_left = "holds results of " + fs::canonical(left).string() + "; choose";
+  EXPECT_THAT(check("right/pictures"), HasSubstr(of_left));
+  make_folder(folder / "far/away");
+  fs::rename(folder / "out", folder / "far/away/out");
+  fs::create_directory_symlink("far/away/out", folder / "out");
+  write_file(out / "run.json",
+             R"({"verb": "calibrate", "source": "../../../../../left/pictures"})");
+  EXPECT_THAT(check("right/pictures"), HasSubstr(of_left)) << "seen from where the link leads";
 }
 
 // Each folder has a gear.toml, and out/gear/render is the default of them all.
@@ -126,17 +135,37 @@ TEST(ResultFolder, OfAnotherFileOfTheSameNameIsRefused) {
   EXPECT_THAT(
       text_thrown_by<ConfigError>(
           [&] { check_source_of_folder(out, {folder / "right/gear.toml"}); }),
-      HasSubstr("holds results of " + left.string() + "; choose another folder with --out"));
+      HasSubstr("holds results of " + fs::canonical(left).string() + "; choose another folder"));
   fs::create_symlink(left, folder / "gear.toml");
   EXPECT_NO_THROW(check_source_of_folder(out, {folder / "gear.toml"})) << "a link to the same file";
+  fs::create_hard_link(left, folder / "hard.toml");
+  EXPECT_NO_THROW(check_source_of_folder(out, {folder / "hard.toml"})) << "the same file";
   const fs::path pipe = folder / "pipe.toml";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_EQ(source_seen_from(out, pipe), "");
   EXPECT_NO_THROW(check_source_of_folder(out, {pipe})) << "nobody knows where it came from";
 }
 
+// Both are called "gear", as their folder is.
+TEST(ResultFolder, OfStudyAndSceneOfOneFolderIsShared) {
+  const TemporaryFolder folder;
+  for (const char* side : {"left/gear", "right/gear"}) {
+    make_folder(folder / side);
+    write_file(folder / side / "study.toml", "");
+    write_file(folder / side / "scene.toml", "");
+  }
+  const fs::path out = folder / "out/gear/render";
+  make_folder(out);
+  const fs::path study = folder / "left/gear/study.toml";
+  mark_result_folder(out, ResultKind::kRender, "gear", source_seen_from(out, study));
+  EXPECT_NO_THROW(check_source_of_folder(out, {folder / "left/gear/scene.toml"}));
+  EXPECT_THROW(check_source_of_folder(out, {folder / "right/gear/scene.toml"}), ConfigError);
+}
+
 TEST(ResultFolder, OfSeveralInputsTellsAllOfThem) {
   const TemporaryFolder folder;
+  make_folder(folder / "view");
+  make_folder(folder / "photos");
   const fs::path out = folder / "out/view/compare";
   const auto inputs = [&](const char* real) { return std::vector{folder / "view", folder / real}; };
   const auto told = sources_seen_from(out, inputs("photos"));
@@ -146,7 +175,7 @@ TEST(ResultFolder, OfSeveralInputsTellsAllOfThem) {
   write_file(out / "run.json", R"({"verb": "compare", "source": )" + told.dump() + "}");
   EXPECT_NO_THROW(check_source_of_folder(out, inputs("photos")));
   EXPECT_THAT(text_thrown_by<ConfigError>([&] { check_source_of_folder(out, inputs("others")); }),
-              HasSubstr("/view and " + (folder / "photos").string() + "; choose"));
+              HasSubstr("/view and " + fs::canonical(folder / "photos").string() + "; choose"));
 }
 
 TEST(ResultFolder, OfNobodyKnownKeepsItsFiles) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "core/file.h"
 #include "studies/output/run_folder.h"
 
 namespace glint {
@@ -74,7 +75,9 @@ std::filesystem::path out_folder(const StudyArguments& arguments,
   const std::string name = name_of_results(arguments.study, study, kind);
   std::filesystem::path folder =
       kind == ResultKind::kRun ? default_run_folder(study.name) : default_result_folder(name, kind);
-  check_source_of_folder(folder, {arguments.study});
+  if (kind != ResultKind::kRun || !is_there(folder / "study.sqlite")) {  // which knows its study
+    check_source_of_folder(folder, {arguments.study});
+  }
   return folder;
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <map>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -45,10 +46,12 @@ fs::path default_folder(const CompareInputs& inputs) {
   return default_result_folder(name.empty() ? "comparison" : name, ResultKind::kCompare);
 }
 
-/// Of several photographs the folder of the first.
+/// Of photographs the folder of the first: more of them may come.
 std::vector<fs::path> sources_of(const CompareInputs& inputs) {
+  std::error_code ignored;
   const fs::path& real = inputs.reals.front();
-  return {inputs.simulated, inputs.reals.size() == 1 ? real : fs::absolute(real).parent_path()};
+  return {inputs.simulated,
+          fs::is_directory(real, ignored) ? real : fs::absolute(real).parent_path()};
 }
 
 /// A pair and why its pictures differ.

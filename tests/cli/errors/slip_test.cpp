@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// gear.toml, that can be run, rendered and imprinted, beside a mesh and a report of the user's
 /// own.
@@ -175,6 +176,9 @@ TEST_F(Slip, InputsAreNeverOutputs) {
 
 TEST_F(Slip, EachVerbHasADefaultFolderOfItsOwn) {
   expect_done({"run", "gear.toml"});
+  fs::create_directories(folder_ / "copy");
+  fs::copy_file(folder_ / "gear.toml", folder_ / "copy/gear.toml");
+  expect_done({"run", "copy/gear.toml"});  // resumes: the database knows the same study
   expect_done({"render", "gear.toml"});
   expect_done({"imprint", "shaft.toml", "--no_previews"});
   expect_done({"imprint", "shaft.toml", "--preview_tools"});
@@ -230,9 +234,13 @@ TEST_F(Slip, PicturesOfOneNameAreNotMixed) {
   tell_source("out/photo/inspect", "inspect", R"("../../../left/photo.png")");
   expect_refused({"inspect", "right/photo.png"},
                  "out/photo/inspect: holds results of left/photo.png; choose another folder");
-  tell_source("out/photo/compare", "compare", R"(["../../../right/photo.png", "../../../left"])");
+  tell_source("out/photo/compare", "compare", R"(["../../../right/photo.png", "../../../right"])");
   expect_refused({"compare", "right/photo.png", "left/photo.png"},
-                 "out/photo/compare: holds results of right/photo.png and left; choose another");
+                 "out/photo/compare: holds results of right/photo.png and right; choose another");
+  tell_source("out/photo/compare", "compare", R"(["../../../right/photo.png", "../../../left"])");
+  EXPECT_THAT(glint({"compare", "right/photo.png", "left/photo.png"}).err,
+              Not(HasSubstr("holds results of")))
+      << "of several photographs";
 }
 
 TEST_F(Slip, ARunInTheFormerDefaultFolderIsResumed) {

@@ -103,6 +103,7 @@ class TrialRun {
     const auto start = std::chrono::steady_clock::now();
     check_folder();
     draw_poses();
+    check_poses();
     OutputFolder folder(options_.out);
     remove_unfinished_files(options_.out);
     mark_result_folder(options_.out, ResultKind::kRun);
@@ -128,10 +129,40 @@ class TrialRun {
     std::error_code ignored;
     if (fs::exists(begun, ignored) && (read_file(begun) != resolved_text(study_) ||
                                        read_file(options_.out / "board.toml") != board_text())) {
-      throw ConfigError(fmt::format(
-          "{}: holds pictures of another study or board: give another folder with --out",
-          options_.out.string()));
+      throw_others();
     }
+  }
+
+  /// An earlier program may have drawn other poses for the same study.
+  void check_poses() const {
+    const fs::path begun = options_.out / "poses.csv";
+    if (is_there(begun) && has_pictures() && read_file(begun) != poses_text()) {
+      throw_others();
+    }
+  }
+
+  [[noreturn]] void throw_others() const {
+    throw ConfigError(
+        fmt::format("{}: holds pictures of another study or board: give another folder with --out",
+                    options_.out.string()));
+  }
+
+  bool has_pictures() const {
+    for (int i = 0; i < settings_.pictures; ++i) {
+      if (is_there(picture_file(i))) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// poses.csv: what the robot tells of each picture.
+  std::string poses_text() const {
+    std::string lines;
+    for (int i = 0; i < settings_.pictures; ++i) {
+      lines += pose_line(picture_file(i).filename().string(), pose(i).told);
+    }
+    return lines;
   }
 
   std::string board_text() const { return board_toml(renderer_.board()); }
@@ -149,11 +180,7 @@ class TrialRun {
     write_file(options_.out / "study.resolved.toml", resolved_text(study_));
     write_file(options_.out / "board.toml", board_text());
     renderer_.write_ink();
-    std::string lines;
-    for (int i = 0; i < settings_.pictures; ++i) {
-      lines += pose_line(picture_file(i).filename().string(), pose(i).told);
-    }
-    write_file(options_.out / "poses.csv", lines);
+    write_file(options_.out / "poses.csv", poses_text());
     fs::create_directories(options_.out / "pictures");
   }
 

@@ -113,6 +113,13 @@ TEST_F(CalibrationTrial, FindsACameraOnTheFlangeFromItsFiles) {
   run(study);
   EXPECT_EQ(read_file(folder_ / "out/result.json"), bytes);
 
+  // Another program drew other poses: neither its pictures nor its poses are mixed with these.
+  const std::string poses = "picture_0000.png" + read_file(folder_ / "out/poses.csv");
+  write_file(folder_ / "out/poses.csv", poses);
+  EXPECT_THAT(text_thrown_by<ConfigError>([&] { run(study); }),
+              HasSubstr("holds pictures of another study or board"));
+  EXPECT_EQ(read_file(folder_ / "out/poses.csv"), poses);
+
   std::string other = small_trial(kOnFlange);
   other += "seed = 2\n";
   try {

@@ -23,11 +23,13 @@
 
 #include "core/image/image_io.h"
 #include "core/progress.h"
+#include "core/text.h"
 #include "core/thread_pool.h"
 #include "core/units.h"
 #include "hardware/board/find_board.h"
 #include "simulator/camera/lens_settings.h"
 #include "studies/calibration_trial/trial_renderer.h"
+#include "studies/definition/study_text.h"
 #include "tests/hardware/calibration/corner_bank_file.h"
 
 namespace glint {
@@ -68,7 +70,7 @@ struct BankView {
   CornerBlur blur;
 };
 
-/// What all pictures share, in one line.
+/// What all pictures share: in one line, and all of it as a hash, wherever the files lie.
 BankHeader header_of(const BankView& first, const BankView& second) {
   const SceneSettings& scene = first.study.scene;
   const Board& board = first.renderer.board();
@@ -89,7 +91,8 @@ BankHeader header_of(const BankView& first, const BankView& second) {
               scene.sensor.full_well_e,
               scene.sensor.read_noise_e,
               scene.sensor.bits,
-              scene.paths.samples)};
+              scene.paths.samples),
+          .inputs = sha256_hex(shown_text(first.study) + board_toml(board))};
 }
 
 /// The board's corners as they were found beside where they are.

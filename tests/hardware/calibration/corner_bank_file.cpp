@@ -25,7 +25,10 @@ double rounded(double value, double steps_per_unit) {
 }
 
 std::string header_line(const BankHeader& header) {
-  const BankJson json = {{"schema", kBankSchema}, {"seed", header.seed}, {"scene", header.scene}};
+  const BankJson json = {{"schema", kBankSchema},
+                         {"seed", header.seed},
+                         {"scene", header.scene},
+                         {"inputs", header.inputs}};
   return json.dump() + "\n";
 }
 
@@ -86,7 +89,8 @@ class BankReader {
         fail("schema", fmt::format("is {}, must be {}", json.at("schema").dump(), kBankSchema));
       }
       return BankHeader{.seed = json.at("seed").get<std::uint64_t>(),
-                        .scene = json.at("scene").get<std::string>()};
+                        .scene = json.at("scene").get<std::string>(),
+                        .inputs = json.value("inputs", std::string())};
     });
   }
 
@@ -148,6 +152,9 @@ void check_header(const BankReader& reader, const BankHeader& found, const BankH
   if (found.scene != wanted.scene) {
     reader.fail("scene",
                 fmt::format("is \"{}\", must be \"{}\"; {}", found.scene, wanted.scene, what));
+  }
+  if (found.inputs != wanted.inputs) {
+    reader.fail("inputs", fmt::format("is that of another study or board; {}", what));
   }
 }
 

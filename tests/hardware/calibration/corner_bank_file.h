@@ -3,7 +3,7 @@
 // A bank of corner errors as a file: one JSON object a line, first what all pictures share, then
 // one for each picture in the order of their numbers.
 //
-//   {"schema":1,"seed":1,"scene":"..."}
+//   {"schema":1,"seed":1,"scene":"...","inputs":"..."}
 //   {"picture":0,"outcome":"accepted","f_number":4.0,"tilt_deg":21.3,"turn_deg":-12.9,
 //    "corners":[[0.0123,-0.0045,0.71,148.2,412.3], ...]}      error x, y [px], blur [px],
 //                                                             distance [mm], radius [px]
@@ -22,6 +22,7 @@ namespace glint {
 struct BankHeader {
   std::uint64_t seed = 1;  ///< of the poses
   std::string scene;       ///< camera, board and light in one line
+  std::string inputs;      ///< SHA-256 of the whole study and the board; older banks tell none
 
   bool operator==(const BankHeader&) const = default;
 };

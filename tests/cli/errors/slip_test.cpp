@@ -178,7 +178,8 @@ TEST_F(Slip, EachVerbHasADefaultFolderOfItsOwn) {
   expect_done({"run", "gear.toml"});
   fs::create_directories(folder_ / "copy");
   fs::copy_file(folder_ / "gear.toml", folder_ / "copy/gear.toml");
-  expect_done({"run", "copy/gear.toml"});  // resumes: the database knows the same study
+  expect_refused({"run", "copy/gear.toml"},
+                 "out/gear/run: holds results of gear.toml; choose another folder with --out");
   expect_done({"render", "gear.toml"});
   expect_done({"imprint", "shaft.toml", "--no_previews"});
   expect_done({"imprint", "shaft.toml", "--preview_tools"});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/analysis/run_analysis.h"
 
+#include <utility>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -87,10 +89,13 @@ std::vector<Trial> bright_trials(const Study& study) {
     Point point = point_from_unit(study.space, even.point(k));
     point = k == 3 ? Point{25.0, 0.7} : k == 9 ? Point{40.0, 0.9} : point;
     const double mean = k == 9 ? 0.82 : point[1] * (1.0 - 0.01 * point[0]);
+    Scores scores = {{"homogeneity.mean", mean}};
+    for (const Constraint& limit : study.goal.constraints) {
+      scores[limit.name] = limit.min.value_or(limit.max.value_or(0.0));  // kept
+    }
     trials.push_back({.number = static_cast<int>(k) + 1,
                       .point = point,
-                      .outcome = Outcome{.scores = {{"homogeneity.mean", mean},
-                                                    {"homogeneity.clipped_share", 0.0}}}});
+                      .outcome = Outcome{.scores = std::move(scores)}});
   }
   return trials;
 }

@@ -19,6 +19,7 @@
 #include "core/rng.h"
 #include "optimizer/algorithm/sobol.h"
 #include "optimizer/analysis/surrogate_indices.h"
+#include "tests/optimizer/analysis/ishigami.h"
 
 namespace glint {
 namespace {
@@ -31,13 +32,7 @@ constexpr double kSlack = 0.001;
 
 using Function = std::function<double(std::span<const double> unit)>;
 
-/// The truth of one coordinate.
-struct TrueIndex {
-  double first = 0.0;
-  double total = 0.0;
-};
-
-using TrueIndices = std::array<TrueIndex, kDimension>;
+using TrueIndices = std::array<test::TrueIndex, kDimension>;
 
 /// How many intervals there are and how many of them hold the truth.
 struct Coverage {
@@ -206,28 +201,10 @@ Coverage coverage_of(const Function& function, const TrueIndices& truth, int num
   return coverage;
 }
 
-// Ishigami and Homma 1990 with a = 7, b = 0.1. Its second coordinate acts alone; the model, which
-// has no additive part, takes some of that for interaction, so that most of what is not held are
-// totals of it.
+// The model, which has no additive part, takes some of what the second coordinate does alone for
+// interaction, so that most of what is not held are totals of it.
 Coverage ishigami_coverage() {
-  constexpr double kPi = std::numbers::pi;
-  constexpr double kA = 7.0;
-  constexpr double kB = 0.1;
-  const auto function = [](std::span<const double> unit) {
-    const auto angle = [&](std::size_t i) { return kPi * (2.0 * unit[i] - 1.0); };
-    return std::sin(angle(0)) * (1.0 + kB * std::pow(angle(2), 4)) +
-           kA * std::pow(std::sin(angle(1)), 2);
-  };
-  const double pi4 = std::pow(kPi, 4);
-  const double first = 0.5 * std::pow(1.0 + kB * pi4 / 5.0, 2);
-  const double second = kA * kA / 8.0;
-  const double together = kB * kB * pi4 * pi4 * 8.0 / 225.0;
-  const double all = first + second + together;
-  return coverage_of(function,
-                     {{{first / all, (first + together) / all},
-                       {second / all, second / all},
-                       {0.0, together / all}}},
-                     150);
+  return coverage_of(test::ishigami, test::ishigami_indices(), 150);
 }
 
 // Sobol's g-function, product of (|4 x_i - 2| + a_i) / (1 + a_i), a = (0, 1, 4.5): kinks, which the

@@ -2,12 +2,11 @@
 #include "optimizer/analysis/sobol_indices.h"
 
 #include <array>
-#include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "tests/optimizer/analysis/ishigami.h"
 
 namespace glint {
 namespace {
@@ -19,29 +18,14 @@ void expect_within(const VarianceShare& share, double truth) {
   EXPECT_LE(share.high - share.low, 0.2);
 }
 
-// Ishigami and Homma 1990 with a = 7, b = 0.1: the third coordinate acts by interaction alone.
 TEST(SobolIndices, OfIshigamisFunction) {
-  constexpr double kPi = std::numbers::pi;
-  constexpr double kA = 7.0;
-  constexpr double kB = 0.1;
-  const auto function = [](std::span<const double> unit) {
-    const auto angle = [&](std::size_t i) { return kPi * (2.0 * unit[i] - 1.0); };
-    return std::sin(angle(0)) * (1.0 + kB * std::pow(angle(2), 4)) +
-           kA * std::pow(std::sin(angle(1)), 2);
-  };
-  const double pi4 = std::pow(kPi, 4);
-  const double first = 0.5 * std::pow(1.0 + kB * pi4 / 5.0, 2);
-  const double second = kA * kA / 8.0;
-  const double together = kB * kB * pi4 * pi4 * 8.0 / 225.0;
-  const double all = first + second + together;
-  const auto indices = sobol_indices(function, 3);
-  ASSERT_EQ(indices.size(), 3U);
-  expect_within(indices[0].first, first / all);
-  expect_within(indices[1].first, second / all);
-  expect_within(indices[2].first, 0.0);
-  expect_within(indices[0].total, (first + together) / all);
-  expect_within(indices[1].total, second / all);
-  expect_within(indices[2].total, together / all);
+  const auto indices = sobol_indices(test::ishigami, 3);
+  const auto truth = test::ishigami_indices();
+  ASSERT_EQ(indices.size(), truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    expect_within(indices[i].first, truth[i].first);
+    expect_within(indices[i].total, truth[i].total);
+  }
 }
 
 TEST(SobolIndices, OfAnAdditiveFunctionWithADeadVariable) {

@@ -6,8 +6,8 @@ import path from "node:path";
 
 export const MAP = "CONTRIBUTING.md";
 // Whatever else lies in the root folder (build folders, environments) is none of the sources.
-const TOP = ["core", "simulator", "defects", "metrics", "optimizer", "hardware", "studies", "cli"];
-const SKIPPED = new Set(["node_modules"]);
+export const TOP = ["core", "simulator", "defects", "metrics", "optimizer", "hardware", "studies", "cli"];
+export const SKIPPED = new Set(["node_modules"]);
 const NO_ROOMS = new Set(["tests"]);
 
 export const violations = [];

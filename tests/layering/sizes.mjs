@@ -3,22 +3,24 @@
 // usage: node sizes.mjs [SOURCE_DIR]
 //
 // Checks how long files and functions are (CONTRIBUTING.md), and prints their median, 95 %, 99 % and
-// maximum, and how many lines of tests there are to a line of the sources, of all lines and of those
-// of code in .cpp files, which are neither blank nor comment alone. One line per violation,
+// maximum, and how many lines of tests there are to a line of the sources: of C++, with those in
+// other languages (the report's pages, and what drives them), and of code in .cpp files, which is
+// neither blank nor comment alone. One line per violation,
 // `file:line: what is wrong`; exit 1 when there is any. A function's lines are those from its head to
 // its closing brace; functions visit_keys, which list the keys of a table, may be longer. Needs
 // universal-ctags.
 import { spawnSync } from "node:child_process";
-import { readFileSync } from "node:fs";
+import { existsSync, readFileSync, readdirSync } from "node:fs";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 
 import { attributeMacros } from "./room_headers.mjs";
-import { readTree } from "./room_tree.mjs";
+import { SKIPPED, TOP, readTree } from "./room_tree.mjs";
 
 const MAX_LINES = 60;
 const MAX_LINES_OF_FILE = { ".cpp": 450, ".h": 300 };
 const OF_ANY_LENGTH = "visit_keys";
+const SCRIPTS = [".js", ".mjs", ".css", ".html", ".py", ".sh"];
 
 /// All C++ files, tests included: { file, text, lines }.
 function readFiles(root) {
@@ -29,6 +31,23 @@ function readFiles(root) {
     const text = readFileSync(path.join(root, file), "utf8");
     return { file, text, lines: text.split("\n").length - 1 };
   });
+}
+
+/// What is not C++, of tests and sources: { file, lines }.
+function readScripts(root) {
+  const isWanted = (name) =>
+    SCRIPTS.includes(path.extname(name)) && !name.split(path.sep).some((part) => SKIPPED.has(part));
+  return [...TOP, "tests"]
+    .filter((top) => existsSync(path.join(root, top)))
+    .flatMap((top) =>
+      readdirSync(path.join(root, top), { recursive: true })
+        .filter(isWanted)
+        .map((name) => path.posix.join(top, name)),
+    )
+    .map((file) => {
+      const text = readFileSync(path.join(root, file), "utf8");
+      return { file, lines: text.split("\n").length - 1 };
+    });
 }
 
 /// How many lines are neither blank nor comment alone.
@@ -103,7 +122,7 @@ function printRatio(name, files, linesOf) {
   console.log(`tests to sources: ${tests} / ${sources} ${name} = ${(tests / sources).toFixed(2)}`);
 }
 
-function printSizes(files, functions) {
+function printSizes(files, functions, scripts) {
   const heads = ["number", "median", "95 %", "99 %", "longest"];
   console.log(["lines of".padEnd(22), ...heads.map((head) => head.padStart(8))].join(""));
   for (const [name, wanted] of [
@@ -114,6 +133,7 @@ function printSizes(files, functions) {
     printRow(`files in ${name}`, files.filter(wanted));
   }
   printRatio("lines", files, ({ lines }) => lines);
+  printRatio("lines of all languages", [...files, ...scripts], ({ lines }) => lines);
   const bodies = files.filter(({ file }) => file.endsWith(".cpp"));
   printRatio("lines of code in .cpp files", bodies, ({ text }) => codeLines(text));
 }
@@ -127,7 +147,7 @@ function main(roots) {
   const root = roots[0] ?? path.join(own, "../..");
   const files = readFiles(root);
   const functions = readFunctions(root, files);
-  printSizes(files, functions);
+  printSizes(files, functions, readScripts(root));
   const violations = violationsOf(files, functions);
   violations.forEach((line) => console.log(line));
   console.log(

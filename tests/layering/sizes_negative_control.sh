@@ -66,9 +66,16 @@ expect_clean 'functions in sources         3      60     200     200     200'
 expect_clean 'files in sources             3     300     450     450     450'
 expect_clean 'functions in tests           2      30      60      60      60'
 expect_clean 'tests to sources: 90 / 751 lines = 0.12'
+expect_clean 'tests to sources: 90 / 751 lines of all languages = 0.12'
 expect_clean 'tests to sources: 4 / 6 lines of code in .cpp files = 0.67'
 printf '\n/* Two lines\n   of a comment. */\nint answer() { return 42; }  // code\n' >>"$tree/tests/core/a_test.cpp"
 expect_clean 'tests to sources: 5 / 6 lines of code in .cpp files = 0.83'
+mkdir -p "$tree/tests/core/node_modules"
+printf 'one\ntwo\n' >"$tree/tests/core/pages.mjs"
+printf 'one\n' >"$tree/core/page.css"
+cp "$tree/core/page.css" "$tree/tests/core/node_modules/page.js"
+expect_clean 'tests to sources: 96 / 752 lines of all languages = 0.13'
+rm -r "$tree/tests/core/node_modules" "$tree/tests/core/pages.mjs" "$tree/core/page.css"
 
 echo '// one more' >>"$tree/core/a.cpp"
 expect_found 'core/a.cpp:451: has 451 lines, at most 450 are allowed'

@@ -21,6 +21,7 @@
 
 #include <fmt/format.h>
 
+#include "core/file.h"
 #include "core/image/image_io.h"
 #include "core/progress.h"
 #include "core/text.h"

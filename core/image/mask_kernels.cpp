@@ -93,8 +93,8 @@ GLINT_WIDE int count_ones(const unsigned char* __restrict values, int count) {
         sums[i] = static_cast<unsigned char>(sums[i] + values[done + i]);
       }
     }
-    for (int i = 0; i < kLanes; ++i) {
-      ones += sums[i];
+    for (const unsigned char sum : sums) {
+      ones += sum;
     }
   }
   for (; done < count; ++done) {

@@ -11,7 +11,7 @@ namespace glint {
 template <class T>
 struct UninitializedAllocator : std::allocator<T> {
   template <class Other>
-  struct rebind {
+  struct rebind {  // NOLINT(readability-identifier-naming): the name that allocators must have
     using other = UninitializedAllocator<Other>;
   };
 

@@ -103,6 +103,28 @@ std::string study_in_cell() {
   return edited(kValidatedStudy, {{"[cell.base", "[cell]\nfile = \"cell.toml\"\n[cell.base"}});
 }
 
+/// What the rows read, in a folder: their robot only counts who calls it.
+class CountedCell {
+ public:
+  CountedCell() {
+    write_file(folder_ / "cell.toml",
+               cell_text(robot_.rtde.port(),
+                         robot_.primary.port(),
+                         robot_.secondary.port(),
+                         robot_.dashboard.port()));
+    write_file(folder_ / "study.toml", kValidatedStudy);
+    write_file(folder_ / "in_cell.toml", study_in_cell());
+  }
+
+  const TemporaryFolder& folder() const { return folder_; }
+
+  void expect_not_called() const { robot_.expect_not_called(); }
+
+ private:
+  TemporaryFolder folder_;
+  CountingRobot robot_;
+};
+
 /// The rows with these words behind each.
 std::vector<Arguments> moving_calls(const Arguments& more) {
   std::vector<Arguments> calls;
@@ -114,16 +136,8 @@ std::vector<Arguments> moving_calls(const Arguments& more) {
 }
 
 TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
-  const TemporaryFolder folder;
-  const CountingPeer rtde;
-  const CountingPeer primary;
-  const CountingPeer secondary;
-  const CountingPeer dashboard;
-  write_file(folder / "cell.toml",
-             cell_text(rtde.port(), primary.port(), secondary.port(), dashboard.port()));
-  write_file(folder / "study.toml", kValidatedStudy);
-  write_file(folder / "in_cell.toml", study_in_cell());
-  const std::vector<ProgramResult> results = glint_at_once(folder, moving_calls({}));
+  const CountedCell cell;
+  const std::vector<ProgramResult> results = glint_at_once(cell.folder(), moving_calls({}));
   for (std::size_t i = 0; i < results.size(); ++i) {
     const MovingVerb& verb = kMovingVerbs[i];
     EXPECT_EQ(results[i].code, verb.code)
@@ -134,57 +148,43 @@ TEST(CellSafety, WithoutMoveNobodyIsEvenCalled) {
     }
   }
   for (const char* plan : {"named/plan/baseline/plan.json", "own/plan/baseline/plan.json"}) {
-    EXPECT_TRUE(std::filesystem::exists(folder / plan)) << "the run comes to its end: " << plan;
+    EXPECT_TRUE(std::filesystem::exists(cell.folder() / plan))
+        << "the run comes to its end: " << plan;
   }
-  for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
-    EXPECT_EQ(peer->connections(), 0);
-    EXPECT_EQ(peer->bytes(), 0);
-  }
+  cell.expect_not_called();
 }
 
 // The ready file is of a camera alone: the robot that is left is the cell's own.
 TEST(CellSafety, WithTwinTheCellsOwnRobotIsNotEvenCalled) {
-  const TemporaryFolder folder;
-  const CountingPeer rtde;
-  const CountingPeer primary;
-  const CountingPeer secondary;
-  const CountingPeer dashboard;
-  write_file(folder / "cell.toml",
-             cell_text(rtde.port(), primary.port(), secondary.port(), dashboard.port()));
-  write_file(folder / "study.toml", kValidatedStudy);
-  write_file(folder / "in_cell.toml", study_in_cell());
-  write_file(folder / "twin.json",
+  const CountedCell cell;
+  write_file(cell.folder() / "twin.json",
              R"({"pid": 1, "twins": [{"kind": "camera", "address": "127.0.0.5"}]})");
   const Arguments with_twin = {"--twin", "twin.json", "--move"};
   std::vector<Arguments> calls = moving_calls(with_twin);
   calls.push_back({"cell", "status", "cell.toml", "--twin", "twin.json"});
   calls.push_back({"cell", "watch", "cell.toml", "--twin", "twin.json"});
-  const std::vector<ProgramResult> results = glint_at_once(folder, calls);
+  const std::vector<ProgramResult> results = glint_at_once(cell.folder(), calls);
   for (std::size_t i = 0; i < results.size(); ++i) {
     EXPECT_EQ(results[i].code, 2) << calls[i][0] << ' ' << calls[i][1] << results[i].err;
     if (std::ranges::find(calls[i], "cell.toml") != calls[i].end()) {
       EXPECT_THAT(results[i].err, HasSubstr("twin.json: has no twin of the cell's robot"));
     }
   }
-  for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
-    EXPECT_EQ(peer->connections(), 0);
-  }
+  cell.expect_not_called();
 }
 
 // As a ready file of twins that have ended, whose ports a robot has now.
 TEST(CellSafety, WithTwinWhatDoesNotProveToBeOneIsNotDriven) {
   const TemporaryFolder folder;
-  const CountingPeer rtde;
-  const CountingPeer primary;
-  const CountingPeer dashboard;
+  const CountingRobot robot;
   write_file(folder / "cell.toml", cell_text(30004, 30001, 30002, 29999));
   write_file(folder / "twin.json",
              fmt::format(R"({{"pid": 1, "twins": [{{"kind": "robot", "address": "127.0.0.1",
 "rtde_port": {}, "primary_port": {}, "secondary_port": {}, "dashboard_port": {}, "token": 5}}]}})",
-                         rtde.port(),
-                         primary.port(),
-                         primary.port(),
-                         dashboard.port()));
+                         robot.rtde.port(),
+                         robot.primary.port(),
+                         robot.secondary.port(),
+                         robot.dashboard.port()));
   std::vector<Arguments> calls = moving_calls({"--twin", "twin.json", "--move"});
   std::erase_if(calls, [](const Arguments& call) { return call[0] != "cell"; });
   calls.push_back({"cell", "status", "cell.toml", "--twin", "twin.json"});
@@ -193,9 +193,7 @@ TEST(CellSafety, WithTwinWhatDoesNotProveToBeOneIsNotDriven) {
     EXPECT_EQ(result.code, 3) << result.err;
     EXPECT_THAT(result.err, HasSubstr("does not prove that it is a twin"));
   }
-  for (const CountingPeer* peer : {&rtde, &primary, &dashboard}) {
-    EXPECT_EQ(peer->connections(), 0);
-  }
+  robot.expect_not_called();
 }
 
 // Views are planned for them all the same.

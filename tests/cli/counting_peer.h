@@ -8,6 +8,8 @@
 #include <atomic>
 #include <thread>
 
+#include <gtest/gtest.h>
+
 #include "tests/support/loopback_listener.h"
 
 namespace glint::test {
@@ -52,6 +54,21 @@ class CountingPeer {
   std::atomic<int> connections_ = 0;
   std::atomic<long> bytes_ = 0;
   std::thread thread_;  // last: uses the others
+};
+
+/// A robot of which only the connections are counted.
+struct CountingRobot {
+  CountingPeer rtde;
+  CountingPeer primary;
+  CountingPeer secondary;
+  CountingPeer dashboard;
+
+  void expect_not_called() const {
+    for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
+      EXPECT_EQ(peer->connections(), 0);
+      EXPECT_EQ(peer->bytes(), 0);
+    }
+  }
 };
 
 }  // namespace glint::test

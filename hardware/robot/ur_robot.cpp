@@ -194,21 +194,19 @@ struct UrRobot::Impl {
     }
   }
 
-  /// e-Series: why the controller takes no scripts; empty: it does.
+  /// What the controller says of remote control; a CB3, which has none, takes scripts.
   /// @throws IoError
-  std::string remote_problem() const {
+  std::string remote_control_reply() const {
     const UrSettings& settings = driver.settings();
     if (is_cb3(settings.model)) {
-      return {};
+      return "true";
     }
-    Dashboard dashboard(settings.host, settings.dashboard_port, kDashboardS);
-    const std::string reply = dashboard.ask("is in remote control");
-    return flag_of_reply(reply) == true
-               ? std::string()
-               : fmt::format(
-                     "the controller takes no scripts: remote control is off (\"{}\"); "
-                     "switch it on at the pendant",
-                     reply.substr(0, 80));
+    try {
+      Dashboard dashboard(settings.host, settings.dashboard_port, kDashboardS);
+      return dashboard.ask("is in remote control");
+    } catch (const IoError& error) {
+      throw IoError(fmt::format("{} (asked whether remote control is on)", error.what()));
+    }
   }
 
   /// A stop that leaves the controller its program has it dropped; the reader goes on meanwhile.
@@ -259,7 +257,8 @@ UrRobot::~UrRobot() = default;
 
 void UrRobot::allow_motion(const MotionPermit& permit) {
   const UrSettings& settings = impl_->driver.settings();
-  if (const std::string why = impl_->remote_problem(); !why.empty()) {
+  const std::string why = remote_control_problem(impl_->remote_control_reply());
+  if (!why.empty()) {
     throw ConfigError(fmt::format("{}: {}", settings.host, why));
   }
   constexpr double kConnectS = 2.0;
@@ -313,7 +312,7 @@ std::optional<MotionResult> UrRobot::refusal() {
   }
   for (bool is_last : {false, true}) {  // a busy dashboard is asked twice
     try {
-      std::string why = impl_->remote_problem();
+      std::string why = remote_control_problem(impl_->remote_control_reply());
       return why.empty() ? std::nullopt
                          : std::optional(MotionResult{.outcome = kRefused, .text = std::move(why)});
     } catch (const IoError& error) {
@@ -346,10 +345,10 @@ MotionResult UrRobot::explained(const MotionResult& result) {
     return result;
   }
   try {
-    const std::string why = impl_->remote_problem();
+    const std::string reply = impl_->remote_control_reply();
     const std::lock_guard lock(impl_->mutex);
-    if (!why.empty()) {
-      impl_->driver.explain_timeout(why);
+    if (flag_of_reply(reply) == false) {
+      impl_->driver.explain_timeout(remote_control_problem(reply));
     }
     return impl_->driver.result().value_or(result);
   } catch (const IoError&) {

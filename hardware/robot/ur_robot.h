@@ -27,7 +27,7 @@ class UrRobot final : public Robot {
 
   /// Opens the primary interface, so that scripts can be sent. On e-Series asks the dashboard
   /// whether the controller takes them.
-  /// @throws IoError; ConfigError when remote control is off
+  /// @throws IoError; ConfigError when remote control is off, or the dashboard does not tell
   void allow_motion(const MotionPermit& permit);
 
   /// Above 0 the arm is stopped where it is, and no motion begins.

@@ -206,12 +206,7 @@ std::string script_refusal(const Json& dashboard) {
   if (!dashboard.contains("remote_control")) {
     return {};
   }
-  const auto reply = dashboard["remote_control"].get<std::string>();
-  const std::optional<bool> is_remote = flag_of_reply(reply);
-  if (!is_remote) {
-    return fmt::format("the dashboard does not tell whether remote control is on (\"{}\")", reply);
-  }
-  return *is_remote ? std::string() : fmt::format("remote control is off (\"{}\")", reply);
+  return remote_control_problem(dashboard["remote_control"].get<std::string>());
 }
 
 Json head_json(const Cell& cell, bool is_twin) {

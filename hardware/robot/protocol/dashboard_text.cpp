@@ -5,6 +5,8 @@
 #include <array>
 #include <cctype>
 
+#include <fmt/format.h>
+
 namespace glint {
 namespace {
 
@@ -47,6 +49,17 @@ std::optional<bool> flag_of_reply(std::string_view reply) {
     return true;
   }
   return value == "false" ? std::optional(false) : std::nullopt;
+}
+
+std::string remote_control_problem(std::string_view reply) {
+  const std::optional<bool> is_on = flag_of_reply(reply);
+  if (is_on == true) {
+    return {};
+  }
+  return fmt::format("{} (\"{}\")",
+                     is_on ? "remote control is off: switch it on at the pendant"
+                           : "the dashboard does not tell whether remote control is on",
+                     reply.substr(0, 80));
 }
 
 bool is_success(std::string_view reply) {

@@ -19,6 +19,10 @@ std::string value_of_reply(std::string_view reply);
 /// "true", "Program running: false"; none for another text.
 std::optional<bool> flag_of_reply(std::string_view reply);
 
+/// Why a controller that answers so to "is in remote control" takes no scripts: it is off, or the
+/// reply does not tell. Empty: it takes them.
+std::string remote_control_problem(std::string_view reply);
+
 /// The controller did what it was told: the reply does not say "failed", "could not" or "not
 /// allowed".
 bool is_success(std::string_view reply);

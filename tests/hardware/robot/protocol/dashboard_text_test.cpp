@@ -22,6 +22,14 @@ TEST(DashboardReply, FailuresAreTold) {
   EXPECT_FALSE(is_success("could not understand: \"jump\""));
 }
 
+TEST(RemoteControlProblem, TellsOffFromNotTold) {
+  EXPECT_EQ(remote_control_problem("true"), "");
+  EXPECT_EQ(remote_control_problem("false"),
+            "remote control is off: switch it on at the pendant (\"false\")");
+  EXPECT_EQ(remote_control_problem("maybe"),
+            "the dashboard does not tell whether remote control is on (\"maybe\")");
+}
+
 TEST(IsQuery, IsFalseForAllThatChangesTheController) {
   EXPECT_TRUE(is_query("robotmode"));
   EXPECT_TRUE(is_query("is in remote control"));

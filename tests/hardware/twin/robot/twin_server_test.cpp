@@ -18,8 +18,7 @@
 #include "hardware/robot/digital_outputs.h"
 #include "hardware/robot/twin_proof.h"
 #include "hardware/robot/ur_robot.h"
-#include "tests/hardware/robot/cell_robot_settings.h"
-#include "tests/hardware/twin/robot/twin_harness.h"
+#include "tests/hardware/twin/robot/robot_of_twin.h"
 #include "tests/support/process_sockets.h"
 
 namespace glint {
@@ -28,19 +27,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-TwinServerSettings on_free_ports(ArmModel model) {
-  return {.twin = test_twin(model), .address = "127.0.0.1", .ports = {0, 0, 0, 0}};
-}
-
-UrSettings settings_for(const TwinServer& server, ArmModel model) {
-  UrSettings settings = test_robot(model);
-  settings.rtde_port = server.ports().rtde;
-  settings.primary_port = server.ports().primary;
-  settings.secondary_port = server.ports().secondary;
-  settings.dashboard_port = server.ports().dashboard;
-  return settings;
-}
 
 MotionPermit typed() {
   return MotionPermit::from_command_line(true, "test");
@@ -206,18 +192,6 @@ TEST(UrRobot, StopsWithinATimeAfterAStopAndACut) {
   EXPECT_EQ(robot.stop().outcome, MotionOutcome::kLost);
 }
 
-TEST(UrRobot, AsksForRemoteControlBeforeEachMotion) {
-  TwinServer server(on_free_ports(ArmModel::kUr3e));
-  const UrSettings settings = settings_for(server, ArmModel::kUr3e);
-  UrRobot robot(settings, arm_with_tool(settings, test_limits()));
-  robot.allow_motion(MotionPermit::from_command_line(true, "test"));
-  server.add_fault({.kind = FaultKind::kRemoteOff});
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  const MotionResult result = robot.move_joints(near_goal_rad(), 1.0);
-  EXPECT_EQ(result.outcome, MotionOutcome::kRefused);
-  EXPECT_THAT(result.text, HasSubstr("remote control is off"));
-}
-
 /// Somebody else's fault, a moment after the arm has begun to move. @return when
 std::chrono::steady_clock::time_point fault_in_motion(TwinServer& server, FaultKind fault) {
   for (int i = 0; i < 1000 && server.view().is_still; ++i) {
@@ -271,15 +245,6 @@ TEST(UrRobot, FaultsOnTheWireBecomeTheRightResults) {
   for (const auto& [fault, outcome] : cases) {
     threads.emplace_back(expect_outcome, fault, outcome);
   }
-}
-
-TEST(UrRobot, RemoteControlOffIsRefused) {
-  TwinServer server(on_free_ports(ArmModel::kUr3e));
-  const UrSettings settings = settings_for(server, ArmModel::kUr3e);
-  server.add_fault({.kind = FaultKind::kRemoteOff});
-  UrRobot robot(settings, arm_with_tool(settings, test_limits()));
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_THROW(robot.allow_motion(MotionPermit::from_command_line(true, "test")), ConfigError);
 }
 
 TEST(TwinServer, ServesTwoClientsAtOnceAndTheDashboard) {

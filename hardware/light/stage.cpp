@@ -125,6 +125,22 @@ void LinearStage::go_to(int position) {
       fmt::format("linear stage: it did not get to {} mm in {} s", goal_mm, way_.timeout_s));
 }
 
+std::string kept_text(TextLink& link) {
+  link.send("$I\n");
+  StageAnswers answers(link);
+  std::string text;
+  while (const auto answer = answers.next()) {
+    if (*answer == "ok") {
+      return text;
+    }
+    if (answer->starts_with("[VER:") && answer->ends_with("]")) {
+      const std::size_t colon = std::min(answer->find(':', 5), answer->size() - 2);
+      text = answer->substr(colon + 1, answer->size() - colon - 2);
+    }
+  }
+  throw IoError("linear stage: $I is not answered");
+}
+
 FolderStage::FolderStage(std::filesystem::path folder,
                          std::vector<ImageF> pictures,
                          milliseconds settle)

@@ -72,6 +72,11 @@ class LinearStage final : public Stage {
   int position_ = -1;
 };
 
+/// The text that its user keeps in a Grbl controller: `$I` is answered by
+/// "[VER:1.1h.20190825:text]", "[OPT:...]" and "ok". It moves nothing.
+/// @return empty: none is kept @throws IoError when it is not answered so
+std::string kept_text(TextLink& link);
+
 /// Pictures in a folder: `show.png` is replaced by that of the position, for a program that shows
 /// it.
 class FolderStage final : public Stage {

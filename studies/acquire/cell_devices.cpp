@@ -38,6 +38,8 @@ CellDevices::CellDevices(
   throw_if_any(shared_outputs(cell));
   const UrSettings& robot = robot_of(cell);
   is_twin_ = is_robot_twin(cell);
+  check_camera_twin(cell);
+  check_stage_twin(cell);
   robot_ = std::make_unique<UrRobot>(robot, arm_with_tool(robot, cell.limits));
   outputs_ = std::make_unique<RobotOutputs>(robot.host, robot.rtde_port, *robot_, permit);
   camera_ = open_patiently(camera_of(cell));

@@ -78,6 +78,13 @@ struct CellPosition {
   Place place;
 };
 
+/// By which the twins of a ready file are told from others at their addresses.
+struct TwinTokens {
+  std::optional<std::uint64_t> robot;
+  std::optional<std::uint64_t> camera;
+  std::optional<std::uint64_t> stage;  ///< a linear one
+};
+
 struct Cell {
   std::filesystem::path file;
   std::optional<CellCamera> camera;
@@ -95,7 +102,7 @@ struct Cell {
   /// Ready file of twins whose addresses the devices have: nothing else is driven. Empty: the
   /// cell's own devices.
   std::filesystem::path twins;
-  std::optional<std::uint64_t> twin_token;  ///< of the robot's twin, as the ready file has it
+  TwinTokens twin_tokens;  ///< as the ready file has them
 };
 
 void visit_keys(KeyVisitor& keys, CellCamera& camera);

@@ -5,6 +5,7 @@
 #include <netinet/in.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -13,6 +14,7 @@
 
 #include "core/file.h"
 #include "hardware/robot/twin_proof.h"
+#include "hardware/twin/side_channel/side_channel.h"
 
 namespace glint {
 namespace {
@@ -99,38 +101,48 @@ class TwinsOfFile {
  public:
   explicit TwinsOfFile(const std::filesystem::path& file) : file_(file), ready_(read_ready(file)) {}
 
-  std::optional<std::uint64_t> robot_token() const {
-    const Json* robot = twin_of_kind(ready_, "robot");
-    return robot == nullptr ? std::nullopt : std::optional(ReadyTwin(file_, *robot).token());
-  }
-
   /// @param is_driven  else a device without a twin is left out
+  /// @return the twin's token; none: the cell has no such device, or it is left out
   template <class Device>
-  void take(std::string_view kind,
-            bool is_driven,
-            void (*take_device)(const ReadyTwin&, Device&),
-            std::optional<Device>& device) const {
+  std::optional<std::uint64_t> take(std::string_view kind,
+                                    bool is_driven,
+                                    void (*take_device)(const ReadyTwin&, Device&),
+                                    std::optional<Device>& device) const {
     if (!device) {
-      return;
+      return std::nullopt;
     }
-    const Json* twin = twin_of_kind(ready_, kind);
-    if (twin != nullptr) {
-      take_device({file_, *twin}, *device);
-    } else if (is_driven) {
+    if (const Json* twin = twin_of_kind(ready_, kind)) {
+      const ReadyTwin described(file_, *twin);
+      take_device(described, *device);
+      return described.token();
+    }
+    if (is_driven) {
       throw ConfigError(
           fmt::format("{}: has no twin of the cell's {}; with --twin nothing but twins is driven: "
                       "glint cell twin both serves robot, camera and linear stage",
                       file_.string(),
                       kind));
-    } else {
-      device.reset();
     }
+    device.reset();
+    return std::nullopt;
   }
 
  private:
   const std::filesystem::path& file_;
   Json ready_;
 };
+
+/// The text that a stage's controller keeps, where the side channel at its port tells the same.
+std::optional<std::string> proven_stage_token(const CellStage& stage) {
+  constexpr std::chrono::milliseconds kConnect{1000};
+  const auto told = ask_side_channel(stage_twin_socket(stage.port), "token");
+  try {
+    TextLink link = TextLink::tcp(stage.host, stage.port, kConnect);
+    return told && kept_text(link) == *told ? told : std::nullopt;
+  } catch (const IoError&) {
+    return std::nullopt;
+  }
+}
 
 }  // namespace
 
@@ -157,40 +169,67 @@ std::filesystem::path side_channel_in(const std::filesystem::path& file, const J
   return ReadyTwin(file, twin).text("side_channel");
 }
 
+std::uint64_t token_in(const std::filesystem::path& file, const Json& twin) {
+  return ReadyTwin(file, twin).token();
+}
+
 Cell with_ports(Cell cell, const std::filesystem::path& ready_file, DrivenDevices driven) {
   const TwinsOfFile twins(ready_file);
   const bool is_all = driven == DrivenDevices::kAll;
-  twins.take("robot", is_all || driven == DrivenDevices::kRobot, take_robot, cell.robot);
-  twins.take("camera", is_all || driven == DrivenDevices::kCamera, take_camera, cell.camera);
+  cell.twin_tokens.robot =
+      twins.take("robot", is_all || driven == DrivenDevices::kRobot, take_robot, cell.robot);
+  cell.twin_tokens.camera =
+      twins.take("camera", is_all || driven == DrivenDevices::kCamera, take_camera, cell.camera);
   if (cell.stage && cell.stage->kind == CellStage::Kind::kGrbl) {  // the others move nothing
-    twins.take("stage", is_all, take_stage, cell.stage);
-  }
-  if (cell.robot) {
-    cell.twin_token = twins.robot_token();
+    cell.twin_tokens.stage = twins.take("stage", is_all, take_stage, cell.stage);
   }
   cell.twins = ready_file;
   return cell;
 }
 
-bool is_robot_twin(const Cell& cell) {
+void check_twin_token(const Cell& cell,
+                      const std::string& place,
+                      std::optional<std::uint64_t> token,
+                      const std::function<std::optional<std::string>()>& prove) {
   constexpr int kTries = 3;  // of a twin on a busy machine, whose proof may be late
-  const UrSettings& robot = robot_of(cell);
-  const bool must_be_twin = !cell.twins.empty();
-  std::optional<std::uint64_t> token;
-  for (int i = 0; !token && i < (must_be_twin ? kTries : 1); ++i) {
-    token = proven_token(robot.host, robot.rtde_port);
+  std::optional<std::string> proven;
+  for (int i = 0; !proven && i < kTries; ++i) {
+    proven = prove();
   }
-  if (must_be_twin && (!token || token != cell.twin_token)) {
+  if (!token || proven != std::to_string(*token)) {
     throw IoError(fmt::format(
-        "{}: what is at {}:{} {}; with --twin nothing else is driven, and nothing was sent to it "
+        "{}: what is at {} {}; with --twin nothing else is driven, and nothing was sent to it "
         "that moves or changes it",
         cell.twins.string(),
-        robot.host,
-        robot.rtde_port,
-        token ? "is another twin than the file's: its token differs"
-              : "does not prove that it is a twin of yours"));
+        place,
+        proven ? "is another twin than the file's: its token differs"
+               : "does not prove that it is a twin of yours"));
   }
-  return token.has_value();
+}
+
+bool is_robot_twin(const Cell& cell) {
+  const UrSettings& robot = robot_of(cell);
+  const auto prove = [&robot] {
+    const auto token = proven_token(robot.host, robot.rtde_port);
+    return token ? std::optional(std::to_string(*token)) : std::nullopt;
+  };
+  if (cell.twins.empty()) {
+    return prove().has_value();
+  }
+  check_twin_token(
+      cell, fmt::format("{}:{}", robot.host, robot.rtde_port), cell.twin_tokens.robot, prove);
+  return true;
+}
+
+void check_stage_twin(const Cell& cell) {
+  if (cell.twins.empty() || !cell.stage || cell.stage->kind != CellStage::Kind::kGrbl) {
+    return;
+  }
+  const CellStage& stage = *cell.stage;
+  check_twin_token(
+      cell, fmt::format("{}:{}", stage.host, stage.port), cell.twin_tokens.stage, [&stage] {
+        return proven_stage_token(stage);
+      });
 }
 
 }  // namespace glint

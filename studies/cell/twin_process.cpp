@@ -179,7 +179,13 @@ void tell_camera_twin(const std::filesystem::path& ready_file, const std::string
   if (camera == nullptr) {
     throw ConfigError(fmt::format("{}: has no twin of a camera", ready_file.string()));
   }
-  const auto reply = ask_side_channel(side_channel_in(ready_file, *camera), line);
+  const std::filesystem::path socket = side_channel_in(ready_file, *camera);
+  const std::string token = std::to_string(token_in(ready_file, *camera));
+  if (ask_side_channel(socket, "token").value_or(token) != token) {
+    throw IoError(fmt::format("{}: another twin of a camera has the address of the file's",
+                              ready_file.string()));
+  }
+  const auto reply = ask_side_channel(socket, line);
   if (reply.value_or("") != "ok") {
     throw IoError(fmt::format(
         "{}: the twin of the camera says {}", ready_file.string(), reply.value_or("nothing")));

@@ -15,8 +15,10 @@
 #include "core/wall_clock.h"
 #include "hardware/camera/aravis_camera.h"
 #include "hardware/camera/find_cameras.h"
+#include "hardware/gige/discovery.h"
 #include "hardware/robot/twin_proof.h"
 #include "hardware/twin/side_channel/side_channel.h"
+#include "studies/cell/ready_file.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
@@ -201,6 +203,23 @@ bool is_camera_twin(const std::string& address, const std::string& manufacturer_
   return told && *told == manufacturer_info;
 }
 
+void check_camera_twin(const Cell& cell) {
+  if (cell.twins.empty()) {
+    return;
+  }
+  const std::string& address = camera_of(cell).address;
+  check_twin_token(cell, address, cell.twin_tokens.camera, [&address] {
+    constexpr int kTimeoutMs = 500;
+    const std::array<std::uint32_t, 1> asked = {parse_ipv4(address).value_or(0)};
+    for (const FoundDevice& device : discover_at(asked, kTimeoutMs)) {
+      if (is_camera_twin(address, device.manufacturer_info)) {
+        return std::optional(device.manufacturer_info);
+      }
+    }
+    return std::optional<std::string>();
+  });
+}
+
 Json list_cameras() {
   Json cameras = Json::array();
   for (const FoundCamera& camera : find_cameras()) {
@@ -268,6 +287,7 @@ Json grab_pictures(const Cell& cell,
           ? default_result_folder(cell.file.parent_path().filename().string(), ResultKind::kGrab)
           : options.out;
   check_grab_folder(folder);
+  check_camera_twin(cell);
   const std::unique_ptr<Camera> camera = open_camera_of(settings);
   camera->configure(camera_configuration_of(settings));
   camera->start();

@@ -23,6 +23,11 @@ nlohmann::ordered_json list_cameras();
 /// can have opened, tells the token that the camera itself tells where no user can write.
 bool is_camera_twin(const std::string& address, const std::string& manufacturer_info);
 
+/// In a cell of twins the camera has to prove that it is the one of the ready file, before it is
+/// opened; in others nobody is asked.
+/// @throws IoError when it does not; ConfigError when the cell has no camera
+void check_camera_twin(const Cell& cell);
+
 /// What the cell file says about pictures. @throws ConfigError for a region that is none
 CameraConfiguration camera_configuration_of(const CellCamera& camera);
 

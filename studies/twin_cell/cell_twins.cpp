@@ -13,6 +13,7 @@
 #include "hardware/gige/udp_socket.h"
 #include "hardware/twin/camera/camera_twin.h"
 #include "hardware/twin/robot/twin_server.h"
+#include "hardware/twin/side_channel/side_channel.h"
 #include "hardware/twin/stage/stage_twin.h"
 #include "studies/twin_cell/camera_serving.h"
 
@@ -54,8 +55,13 @@ class StageServing {
  public:
   /// @param port  none: the cell's; 0: a free one
   StageServing(const CellStage& stage, const CellRenderer& renderer, std::optional<int> port)
-      : way_(stage_way_of(stage, renderer.num_positions(), renderer.step_mm())),
-        twin_({.port = port ? (*port == 0 ? 0 : *port + kStageOffset) : stage.port}) {}
+      : token_(fresh_token()),
+        way_(stage_way_of(stage, renderer.num_positions(), renderer.step_mm())),
+        twin_({.port = port ? (*port == 0 ? 0 : *port + kStageOffset) : stage.port,
+               .kept_text = std::to_string(token_)}),
+        side_(stage_twin_socket(twin_.port()), [this](const std::string& line) {
+          return line == "token" ? std::to_string(token_) : "error: there is token";
+        }) {}
 
   /// -1: between two positions.
   int position() const {
@@ -69,14 +75,20 @@ class StageServing {
   }
 
   Json description() const {
-    return {{"kind", "stage"}, {"address", "127.0.0.1"}, {"port", twin_.port()}};
+    return {{"kind", "stage"},
+            {"address", "127.0.0.1"},
+            {"port", twin_.port()},
+            {"side_channel", side_.path().string()},
+            {"token", token_}};
   }
 
  private:
   static constexpr int kStageOffset = 4;  ///< the robot has the ports before it
 
+  std::uint64_t token_;
   StageWay way_;
   StageTwin twin_;
+  SideChannel side_;
 };
 
 /// What of the twins changes a picture, as it is now.

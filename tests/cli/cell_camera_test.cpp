@@ -53,10 +53,7 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
                                         const std::string& cell,
                                         const ServedTwins& twins,
                                         double mean_grey) {
-  const CountingPeer rtde;
-  const CountingPeer primary;
-  const CountingPeer secondary;
-  const CountingPeer dashboard;
+  const CountingRobot counted;
   const std::string camera_address = twins.of("camera")["address"];
   write_file(folder / "counted.toml",
              fmt::format("include = [\"{}\"]\n[camera]\naddress = \"{}\"\n"
@@ -65,10 +62,10 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
                          "primary_port = {}\nsecondary_port = {}\ndashboard_port = {}\n",
                          cell,
                          camera_address,
-                         rtde.port(),
-                         primary.port(),
-                         secondary.port(),
-                         dashboard.port()));
+                         counted.rtde.port(),
+                         counted.primary.port(),
+                         counted.secondary.port(),
+                         counted.dashboard.port()));
   const json grabbed = json_of(folder, {"cell", "grab", "counted.toml", "--out", "counted"});
   EXPECT_EQ(grabbed["complete"], 1);
   EXPECT_NEAR(grabbed["frames"][0]["mean_grey"].get<double>(), mean_grey + 0.05, 0.005);
@@ -82,8 +79,33 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
   const json robot = {
       {"address", "127.0.0.1"}, {"rtde_port", twins.of("robot")["rtde_port"]}, {"twin", true}};
   EXPECT_THAT(list["robots"], testing::Contains(robot));
-  for (const CountingPeer* peer : {&rtde, &primary, &secondary, &dashboard}) {
-    EXPECT_EQ(peer->connections(), 0);
+  counted.expect_not_called();
+}
+
+/// A ready file of the same twins, of which this one is another process's.
+std::string ready_with_another(const TemporaryFolder& folder, const std::string& kind) {
+  json ready = json::parse(read_file(folder / "twin.json"));
+  for (json& twin : ready["twins"]) {
+    twin["token"] = twin["token"].get<std::uint64_t>() - (twin["kind"] == kind ? 1U : 0U);
+  }
+  write_file(folder / (kind + ".json"), ready.dump());
+  return kind + ".json";
+}
+
+// As ready files of twins that have ended, whose addresses others have taken.
+void expect_other_twins_are_left_alone(const TemporaryFolder& folder, const std::string& cell) {
+  const std::string camera = ready_with_another(folder, "camera");
+  const std::string stage = ready_with_another(folder, "stage");
+  const std::vector<ProgramResult> results =
+      glint_at_once(folder,
+                    std::vector<Arguments>{
+                        {"cell", "grab", cell, "--twin", camera, "--out", "none"},
+                        {"acquire", "--cell", cell, "--twin", camera, "--move", "--out", "none"},
+                        {"acquire", "--cell", cell, "--twin", stage, "--move", "--out", "nothing"},
+                        {"cell", "twin", "light", camera, "ring", "off"}});
+  for (const ProgramResult& result : results) {
+    EXPECT_EQ(result.code, 3) << result.out << result.err;
+    EXPECT_THAT(result.err, HasSubstr("another twin"));
   }
 }
 
@@ -146,6 +168,7 @@ TEST(CellCamera, IsListedGrabbedFromAndFollowsTheArm) {
   EXPECT_EQ(left["complete"], 1);
   EXPECT_NE(picture("above"), picture("left"));
   expect_list_and_grab_call_no_robot(folder, cell, twins, left["frames"][0]["mean_grey"]);
+  expect_other_twins_are_left_alone(folder, cell);
 }
 
 TEST(CellCamera, AloneStandsAtTheFirstSafePosition) {

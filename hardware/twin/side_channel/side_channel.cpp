@@ -37,6 +37,10 @@ void make_private_folder(const std::filesystem::path& folder) {
   }
 }
 
+std::filesystem::path socket_folder() {
+  return std::filesystem::temp_directory_path() / fmt::format("glint-{}", ::geteuid());
+}
+
 }  // namespace
 
 SideChannel::SideChannel(std::filesystem::path socket,
@@ -110,8 +114,11 @@ std::uint64_t fresh_token() {
 }
 
 std::filesystem::path camera_twin_socket(const std::string& address) {
-  return std::filesystem::temp_directory_path() / fmt::format("glint-{}", ::geteuid()) /
-         fmt::format("camera-{}.sock", address);
+  return socket_folder() / fmt::format("camera-{}.sock", address);
+}
+
+std::filesystem::path stage_twin_socket(int port) {
+  return socket_folder() / fmt::format("stage-{}.sock", port);
 }
 
 }  // namespace glint

@@ -41,4 +41,7 @@ std::uint64_t fresh_token();
 /// folder>/glint-<user>/camera-<address>.sock
 std::filesystem::path camera_twin_socket(const std::string& address);
 
+/// That of the stage twin at this port: stage-<port>.sock there.
+std::filesystem::path stage_twin_socket(int port);
+
 }  // namespace glint

@@ -84,6 +84,9 @@ std::string StageController::run(const std::string& line, double now_s) {
     is_in_alarm_ = false;
     return "ok\r\n";
   }
+  if (line == "$I") {
+    return fmt::format("[VER:1.1h.20190825:{}]\r\n[OPT:V,15,128]\r\nok\r\n", settings_.kept_text);
+  }
   if (is_in_alarm_) {
     return "error:9\r\n";
   }

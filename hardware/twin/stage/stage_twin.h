@@ -13,6 +13,7 @@ struct StageTwinSettings {
   int port = 0;  ///< 0: any free one
   double travel_mm = 300.0;
   double max_speed_mm_s = 500.0;
+  std::string kept_text;  ///< told by `$I`
 };
 
 class StageTwin {

@@ -51,6 +51,14 @@ TEST(StageController, RefusesWhatItDoesNotKnowAndLinesWithoutAnEnd) {
   EXPECT_EQ(controller.receive("$X\nG1 X1 F60\n", 0.0), "ok\r\nok\r\n");
 }
 
+// A real one without a text answers "[VER:1.1h.20190825:]".
+TEST(StageController, TellsTheTextThatItKeepsAlsoInAlarm) {
+  StageController controller({.kept_text = "left rail"});
+  controller.raise_alarm(0.0);
+  EXPECT_EQ(controller.receive("$I\n", 0.0),
+            "[VER:1.1h.20190825:left rail]\r\n[OPT:V,15,128]\r\nok\r\n");
+}
+
 constexpr StageWay kWay = {.positions = 5, .first_mm = 10.0, .step_mm = 2.5, .speed_mm_s = 200.0};
 
 TEST(LinearStage, StandsWhereItWasSent) {
@@ -140,6 +148,25 @@ TEST(LinearStage, AtNoNumberIsNotThere) {
   EXPECT_EQ(failure_at("10.000"), "nothing thrown");
   EXPECT_THAT(failure_at("10.03"), HasSubstr("stands at 10.03 mm, not at 10 mm"));
   EXPECT_THAT(failure_at("nan"), HasSubstr("stands at nan mm"));
+}
+
+/// The text that is read where `$I` is answered so.
+std::string text_kept_by(const std::string& answer) {
+  const AnsweringController controller([&answer](std::string_view) { return answer; });
+  TextLink link = TextLink::tcp("127.0.0.1", controller.port(), milliseconds(1000));
+  try {
+    return kept_text(link);
+  } catch (const IoError& error) {
+    return error.what();
+  }
+}
+
+TEST(KeptText, StandsBehindTheVersion) {
+  EXPECT_EQ(text_kept_by("[VER:1.1h.20190825:left: 7]\r\n[OPT:V,15,128]\r\nok\r\n"), "left: 7");
+  for (const char* none :
+       {"[VER:1.1h.20190825:]\nok\n", "[VER:]\nok\n", "[VER:1.1h]\nok\n", "ok\n"}) {
+    EXPECT_EQ(text_kept_by(none), "") << none;
+  }
 }
 
 TEST(LinearStage, AControllerThatTalksOnDoesNotAnswer) {

@@ -12,6 +12,8 @@
 
 #include "core/file.h"
 #include "hardware/twin/robot/twin_server.h"
+#include "hardware/twin/side_channel/side_channel.h"
+#include "hardware/twin/stage/stage_twin.h"
 #include "studies/cell/twin_process.h"
 #include "tests/studies/cell/ur3_cells.h"
 #include "tests/support/loopback_listener.h"
@@ -26,8 +28,8 @@ using Json = nlohmann::ordered_json;
 const std::string kReadyTwins = R"({"pid": 7, "twins": [
 {"kind": "robot", "address": "127.0.0.1", "rtde_port": 40004, "primary_port": 40001,
  "secondary_port": 40002, "dashboard_port": 40003, "token": 18446744073709551615},
-{"kind": "camera", "address": "127.0.0.5"},
-{"kind": "stage", "address": "127.0.0.1", "port": 40005}]})";
+{"kind": "camera", "address": "127.0.0.5", "token": 6},
+{"kind": "stage", "address": "127.0.0.1", "port": 40005, "token": 8}]})";
 
 /// A robot, a camera and a stage elsewhere, taken to the twins of a ready file.
 Cell cell_with_twins(const std::string& ready, DrivenDevices driven = DrivenDevices::kAll) {
@@ -54,10 +56,12 @@ TEST(ReadyFile, TakesACellToItsTwins) {
   EXPECT_EQ(cell.robot->primary_port, 40001);
   EXPECT_EQ(cell.robot->secondary_port, 40002);
   EXPECT_EQ(cell.robot->dashboard_port, 40003);
-  EXPECT_EQ(cell.twin_token, 18446744073709551615U);
+  EXPECT_EQ(cell.twin_tokens.robot, 18446744073709551615U);
   EXPECT_EQ(cell.camera->address, "127.0.0.5");
+  EXPECT_EQ(cell.twin_tokens.camera, 6U);
   EXPECT_EQ(cell.stage->host, "127.0.0.1");
   EXPECT_EQ(cell.stage->port, 40005);
+  EXPECT_EQ(cell.twin_tokens.stage, 8U);
 }
 
 /// Twins of these kinds alone.
@@ -66,8 +70,8 @@ std::string ready_with(const std::vector<std::string>& kinds) {
       {"robot",
        R"({"kind": "robot", "address": "127.0.0.1", "rtde_port": 40004, "primary_port": 40001,
            "secondary_port": 40002, "dashboard_port": 40003, "token": 5})"},
-      {"camera", R"({"kind": "camera", "address": "127.0.0.5"})"},
-      {"stage", R"({"kind": "stage", "address": "127.0.0.1", "port": 40005})"}};
+      {"camera", R"({"kind": "camera", "address": "127.0.0.5", "token": 6})"},
+      {"stage", R"({"kind": "stage", "address": "127.0.0.1", "port": 40005, "token": 8})"}};
   std::string list;
   for (const std::string& kind : kinds) {
     list += (list.empty() ? "" : ", ") + twins.at(kind);
@@ -154,6 +158,24 @@ TEST(ReadyFile, LeadsToNoOtherTwinThanItsOwn) {
               HasSubstr("token of the twin \"robot\": must be the number"));
 }
 
+/// What comes of a stage's twin that tells one token, beside a side channel that tells another.
+std::string stage_problem(const std::string& kept, const std::string& told, std::uint64_t token) {
+  const StageTwin twin({.kept_text = kept});
+  const SideChannel side(stage_twin_socket(twin.port()), [&](const std::string&) { return told; });
+  Cell cell;
+  cell.twins = "twins.json";
+  cell.stage = {.host = "127.0.0.1", .port = twin.port()};
+  cell.twin_tokens.stage = token;
+  return text_thrown_by<IoError>([&cell] { check_stage_twin(cell); });
+}
+
+TEST(ReadyFile, LeadsToNoOtherStageThanItsOwn) {
+  EXPECT_EQ(stage_problem("12", "12", 12), "nothing thrown");
+  EXPECT_THAT(stage_problem("12", "12", 13), HasSubstr("is another twin than the file's"));
+  EXPECT_THAT(stage_problem("", "12", 12), HasSubstr("does not prove that it is a twin"));
+  EXPECT_THAT(stage_problem("12", "13", 12), HasSubstr("does not prove that it is a twin"));
+}
+
 // No twin is there: the file would lead to a robot, by names or numbers.
 TEST(ReadyFile, ThatLeadsElsewhereIsRefused) {
   for (const char* elsewhere : {"192.168.0.10", "0.0.0.0", "128.0.0.1", "robot.example", ""}) {
@@ -179,8 +201,12 @@ TEST(ReadyFile, SlipsAreNamed) {
         << slip;
   }
   EXPECT_THAT(ready_problem("\"127.0.0.5\"", "5"), HasSubstr("address of the twin \"camera\""));
-  EXPECT_THAT(ready_problem("{\"kind\": \"camera\", \"address\": \"127.0.0.5\"}", "5"),
-              HasSubstr("is no ready file"));
+  EXPECT_THAT(ready_problem("\"token\": 6", "\"token\": \"6\""),
+              HasSubstr("token of the twin \"camera\": must be the number"));
+  EXPECT_THAT(ready_problem(", \"token\": 8", ""), HasSubstr("token of the twin \"stage\""));
+  EXPECT_THAT(
+      ready_problem("{\"kind\": \"camera\", \"address\": \"127.0.0.5\", \"token\": 6}", "5"),
+      HasSubstr("is no ready file"));
   EXPECT_THAT(ready_problem("7", "\"7\""), HasSubstr("is no ready file"));
 }
 

@@ -125,7 +125,7 @@ TEST_F(Page, OfACoverageIsDrawn) {
               AllOf(HasSubstr("The part, coloured by what inspects it"),
                     HasSubstr("What each view adds"),
                     HasSubstr("<img")));
-  expect_printed("covered/report.html", 6);
+  expect_printed("covered/report.html", 4);
 }
 
 TEST_F(Page, OfARunAndOfItsInspectionIsDrawn) {

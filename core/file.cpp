@@ -84,6 +84,19 @@ bool is_device(const fs::path& path) {
   return fs::is_other(fs::status(path, ignored));
 }
 
+/// Why a folder cannot be made: a link in its path that leads to nothing, the system's reason, or a
+/// file.
+std::string obstacle(const fs::path& path, const std::error_code& reason) {
+  std::error_code ignored;
+  for (fs::path each = path; each.has_relative_path(); each = each.parent_path()) {
+    if (fs::is_symlink(each, ignored) && !is_there(each)) {
+      return each == path ? "a link of that name leads to nothing"
+                          : fmt::format("the link {} leads to nothing", each.string());
+    }
+  }
+  return reason ? reason.message() : "a file of that name is in the way";
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(fs::path path) : path_(std::move(path)) {
@@ -204,15 +217,10 @@ bool is_there(const fs::path& path) {
 
 void make_folder(const fs::path& path) {
   std::error_code error;
-  std::error_code ignored;
   fs::create_directories(path, error);
   if (error || !fs::is_directory(path, error)) {
-    const bool leads_nowhere = fs::is_symlink(path, ignored) && !is_there(path);
-    throw IoError(fmt::format("{}: the folder cannot be made: {}",
-                              path.string(),
-                              leads_nowhere ? "a link of that name leads to nothing"
-                              : error       ? error.message()
-                                            : "a file of that name is in the way"));
+    throw IoError(
+        fmt::format("{}: the folder cannot be made: {}", path.string(), obstacle(path, error)));
   }
 }
 

@@ -11,9 +11,9 @@ namespace fs = std::filesystem;
 FolderOf::FolderOf(const fs::path& file) {
   const fs::path folder = file.parent_path();
   std::error_code ignored;
-  for (fs::path each = folder; !each.empty() && !fs::exists(each, ignored);
+  for (fs::path each = folder; !each.empty() && !fs::exists(fs::symlink_status(each, ignored));
        each = each.parent_path()) {
-    made_.push_back(each);
+    made_.push_back(each);  // no link, though it lead to nothing: it was there
   }
   try {
     if (!folder.empty()) {

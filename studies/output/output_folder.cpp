@@ -12,12 +12,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The topmost folder of a path that is not there; empty when all of it is.
+/// The topmost folder of a path that is not there; empty when all of it is. A link is there, though
+/// it lead to nothing: nobody's to remove.
 fs::path first_missing(const fs::path& path) {
   fs::path missing;
   std::error_code error;
   for (fs::path folder = path; !folder.empty(); folder = folder.parent_path()) {
-    if (fs::status(folder, error).type() != fs::file_type::not_found) {
+    if (fs::symlink_status(folder, error).type() != fs::file_type::not_found) {
       break;
     }
     missing = folder;

@@ -13,6 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
 using ::testing::StartsWith;
 
 TEST(WriteFile, ComesBackByteForByte) {
@@ -148,6 +149,9 @@ TEST(MakeFolder, SaysWhenAFileIsInTheWay) {
   fs::create_symlink("nowhere", folder / "link");
   EXPECT_THAT(text_thrown_by<IoError>([&] { make_folder(folder / "link"); }),
               EndsWith("link: the folder cannot be made: a link of that name leads to nothing"));
+  EXPECT_THAT(
+      text_thrown_by<IoError>([&] { make_folder(folder / "link/below"); }),
+      MatchesRegex(".*link/below: the folder cannot be made: the link .*link leads to nothing"));
 }
 
 }  // namespace

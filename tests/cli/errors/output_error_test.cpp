@@ -49,6 +49,17 @@ TEST_F(OutputError, FolderWhereNoneCanBe) {
   EXPECT_FALSE(fs::exists(folder_ / "a")) << "parents are left behind";
 }
 
+TEST_F(OutputError, LinksThatLeadToNothingStay) {
+  write_file(folder_ / "part.stl", rectangle_stl(40, 12));
+  fs::create_symlink("not_mounted", folder_ / "link");
+  const std::string nothing = ": the folder cannot be made: .* leads to nothing";
+  expect_one_line(run("link"), 3, "link" + nothing);
+  expect_one_line(run("link/below"), 3, "link/below" + nothing);
+  expect_one_line(
+      glint_in(folder_, {"part", "part.stl", "--out", "link/part.ply"}), 3, "link" + nothing);
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+}
+
 TEST_F(OutputError, RenderReportPartAndNewNameTheFile) {
   write_file(folder_ / "part.stl", rectangle_stl(40, 12));
   expect_one_line(glint_in(folder_, {"render", "study.toml", "--out", "study.toml/x"}),

@@ -49,16 +49,32 @@ constexpr std::array kDocs = {
     ScoreDoc{"defects.mean_depth_um", "mean depth of the defects, height of bumps"},
     ScoreDoc{"defects.removed_volume_mm3",
              "volume that imprinted and displaced defects remove; bumps count as negative"},
-    ScoreDoc{"defects.min_cnr", "smallest contrast-to-noise ratio of any defect"},
-    ScoreDoc{"defects.min_weber", "smallest |Weber contrast| of any defect"},
+    ScoreDoc{"defects.min_cnr",
+             "smallest contrast-to-noise ratio of any defect: "
+             "|its mean - mean of its background| / standard deviation of the background"},
+    ScoreDoc{"defects.min_weber",
+             "smallest |Weber contrast| of any defect: "
+             "|its mean - mean of its background| / mean of the background"},
     ScoreDoc{"defects.mean_weber", "mean |Weber contrast| of the defects"},
-    ScoreDoc{"defects.min_dprime", "smallest detectability d' of any defect"},
-    ScoreDoc{"defects.min_signature", "smallest signature area ratio of any defect"},
-    ScoreDoc{"defects.min_change", "smallest change of any defect: what the worst one shows"},
+    ScoreDoc{"defects.min_dprime",
+             "smallest detectability d' of any defect: "
+             "norm of its deviation image / standard deviation of the background"},
+    ScoreDoc{"defects.min_signature",
+             "smallest signature of any defect: "
+             "area that deviates visibly from the background / its true area"},
+    ScoreDoc{"defects.min_change",
+             "smallest change of any defect: "
+             "largest mean |frame - the same frame of the flawless part|, share of full scale"},
     ScoreDoc{"defects.mean_change", "mean change of the defects"},
-    ScoreDoc{"defects.min_rms_contrast", "smallest RMS contrast of any defect"},
-    ScoreDoc{"defects.min_best_frame", "smallest best_frame of any defect"},
-    ScoreDoc{"defects.min_union", "smallest union of any defect"},
+    ScoreDoc{"defects.min_rms_contrast",
+             "smallest RMS contrast of any defect: "
+             "standard deviation over it and its background / their mean"},
+    ScoreDoc{"defects.min_best_frame",
+             "smallest difference of any defect in its best frame: "
+             "largest |its mean - mean of its background| of a single frame"},
+    ScoreDoc{"defects.min_union",
+             "smallest union of any defect: "
+             "area that changes visibly against the flawless part in any frame / its true area"},
     ScoreDoc{
         "defects.<label>.cnr",
         "|mean of the defect - mean of its background| / standard deviation of the background"},

@@ -23,6 +23,13 @@ std::string nearest_key(const std::string& name, const std::vector<std::string>&
   return nearest(name, holders.empty() ? known : holders);
 }
 
+/// A number as people write it: 100000, not 1e+05; from 1e9 on as a power of ten.
+std::string told(double value) {
+  constexpr double kWritesPower = 1e9;
+  const bool is_whole = std::abs(value) < kWritesPower && value == std::floor(value);
+  return is_whole ? fmt::format("{:.0f}", value + 0.0) : shortest(value);
+}
+
 using Kind = Problem::Kind;
 
 }  // namespace
@@ -56,12 +63,12 @@ std::string Range::text() const {
   const bool has_min = std::isfinite(min);
   const bool has_max = std::isfinite(max);
   if (has_min && has_max) {
-    return fmt::format("in {}{}, {}]", min_excluded ? "(" : "[", shortest(min), shortest(max));
+    return fmt::format("in {}{}, {}]", min_excluded ? "(" : "[", told(min), told(max));
   }
   if (has_min) {
-    return fmt::format("{} {}", min_excluded ? ">" : ">=", shortest(min));
+    return fmt::format("{} {}", min_excluded ? ">" : ">=", told(min));
   }
-  return has_max ? fmt::format("<= {}", shortest(max)) : "any";
+  return has_max ? fmt::format("<= {}", told(max)) : "any";
 }
 
 bool KeyVisitor::optional_table(std::string_view key,
@@ -119,7 +126,7 @@ bool KeyReader::number_in_range(const ConfigNode& node,
   if (!range.contains(node.number)) {
     error(&node,
           key,
-          fmt::format("is {}, must be {}", shortest(node.number), range.text()),
+          fmt::format("is {}, must be {}", told(node.number), range.text()),
           Kind::kOutOfRange);
     return false;
   }

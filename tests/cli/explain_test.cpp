@@ -89,6 +89,14 @@ TEST(Explain, OfAScoreOfDefectsIsThatScoreAlone) {
   }
 }
 
+// Names of the field alone tell a newcomer nothing.
+TEST(Explain, OfTheWorstDefectsScoreTellsHowItIsMeasured) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(glint_in(folder, {"explain", "defects.min_dprime"}).out,
+              HasSubstr("norm of its deviation image / standard deviation of the background"));
+  EXPECT_THAT(glint_in(folder, {"explain", "defects.min_union"}).out, HasSubstr("/ its true area"));
+}
+
 TEST(Explain, KnowsTheKeysOfTheFileItself) {
   const TemporaryFolder folder;
   for (const std::string key : {"title", "include", "schema"}) {

@@ -87,6 +87,8 @@ TEST(Range, SaysWhatIsAllowed) {
   EXPECT_EQ(Range::positive().text(), "> 0");
   EXPECT_EQ(Range::at_least(1).text(), ">= 1");
   EXPECT_EQ(Range::between(0, 0.5).text(), "in [0, 0.5]");
+  EXPECT_EQ(Range::between(-1e5, 2.5).text(), "in [-100000, 2.5]");
+  EXPECT_EQ(Range::between(1e-6, 1e9).text(), "in [1e-06, 1e+09]");
   EXPECT_EQ((Range{.min = 0, .max = 1, .min_excluded = true}).text(), "in (0, 1]");
   EXPECT_EQ((Range{.max = 3}).text(), "<= 3");
   EXPECT_EQ(Range{}.text(), "any");

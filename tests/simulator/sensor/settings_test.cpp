@@ -72,7 +72,7 @@ TEST(SensorSettings, NeedTheFullWellForElectrons) {
 
 TEST(SensorSettings, RefuseValuesOutOfRangeAndUnknownKeys) {
   EXPECT_THAT(problems_of("[sensor]\ngain = 0"),
-              ElementsAre(HasSubstr("must be in [1e-06, 1e+06]")));
+              ElementsAre(HasSubstr("must be in [1e-06, 1000000]")));
   EXPECT_THAT(problems_of("[sensor]\ngian = 2"), ElementsAre(HasSubstr("gain")));
 }
 

@@ -31,7 +31,7 @@ TEST(StudySchema, ANumberHasRangeUnitAndDefault) {
   EXPECT_EQ(radius.at("maximum"), 1e5);
   EXPECT_TRUE(radius.at("default").is_number());
   EXPECT_THAT(radius.at("description").get<std::string>(),
-              ::testing::HasSubstr("[mm; in [1, 1e+05]]"));
+              ::testing::HasSubstr("[mm; in [1, 100000]]"));
   const Json bits = study_schema()["properties"]["sensor"]["properties"]["bits"];
   EXPECT_EQ(bits["type"], "integer");
 }

@@ -69,13 +69,13 @@ function runTable(facts) {
   if (!facts.runs.length) return null;
   const names = [...new Set([facts.objective.name, ...facts.runs.flatMap((run) => Object.keys(run.scores ?? {}))])].filter((name) => name && !name.endsWith('.error') && name.split('.').length < 3).slice(0, 8);
   const cell = (run, name) => h('td', {}, h('b', {}, facts.score(name, run.rescored?.[name] ?? run.scores?.[name])),
-    isNumber(run.rescored?.[name]) && h('small', {}, `search ${facts.score(name, run.scores?.[name])}`));
+    isNumber(run.rescored?.[name]) && h('small', {}, `${facts.origin({ run: run.title })} ${facts.score(name, run.scores?.[name])}`));
   const row = (run) => h('tr', {}, h('th', {}, run.title), h('td', {}, kStatus[run.status]?.[1] ?? run.status ?? ''),
     h('td', {}, run.evaluations ?? '\u2013'), h('td', {}, run.failed ?? '\u2013'), h('td', {}, run.feasible === false ? 'no' : run.feasible ? 'yes' : '\u2013'),
     names.map((name) => cell(run, name)));
   return section('runs', 'Runs', 'The best design of each run; bold numbers come from fresh seeds where there are any.',
     h('div', { class: 'scroll' }, h('table', { class: 'board' },
-      h('thead', {}, h('tr', {}, ['run', 'status', 'evaluations', 'failed', 'feasible', ...names.map((name) => facts.label(name))].map((text) => h('th', {}, text)))),
+      h('thead', {}, h('tr', {}, ['run', 'status', 'evaluations', 'failed', 'feasible'].map((text) => h('th', {}, text)), names.map((name) => h('th', { title: facts.meaning(name) }, facts.label(name))))),
       h('tbody', {}, facts.runs.map(row)))));
 }
 

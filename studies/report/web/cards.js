@@ -130,7 +130,7 @@ function scores(facts, design) {
       h('td', {}, facts.scoreWithError(name, design.scores), fails && !hasFresh && ' \u2717'),
       hasFresh && h('td', {}, facts.scoreWithError(name, design.rescored), fails && ' \u2717'));
   };
-  const head = hasFresh && h('thead', {}, h('tr', {}, h('th', {}), h('th', {}, 'search'), h('th', {}, 'fresh seeds')));
+  const head = hasFresh && h('thead', {}, h('tr', {}, h('th', {}), h('th', {}, facts.origin(design)), h('th', {}, 'fresh seeds')));
   const table = (list) => h('table', { class: 'scores' }, head && head.cloneNode(true), h('tbody', {}, list.map(row)));
   const rest = names.slice(main.length);
   if (!names.length) return block('numbers', 'Scores', h('p', { class: 'muted' }, 'No scores.'));

@@ -88,6 +88,12 @@ export class Facts {
 
   better(a, b) { return this.maximise ? a > b : a < b; }
 
+  /** What its first scores are of: the search that it stands beside, or the study alone. */
+  origin(design) {
+    const run = this.runs.find((one) => one.title === design.run);
+    return (run ? run.evaluations > 0 : this.trials.length > 0) ? 'search' : 'study';
+  }
+
   /** The most trustworthy value: with fresh seeds when there is one. */
   value(design, name) { return design.rescored?.[name] ?? design.scores?.[name]; }
 

@@ -106,7 +106,7 @@ function groupBoard(facts, { designs, objective, caption }) {
     const fresh = design.rescored?.[name];
     const fails = constraint && !facts.meets(constraint, facts.value(design, name));
     return h('td', { class: fails ? 'fails' : '' }, h('b', {}, facts.score(name, facts.value(design, name)), fails && ' \u2717'),
-      isNumber(fresh) && h('small', {}, `${facts.trials.length || facts.runs.length ? 'search' : 'study'} ${facts.score(name, design.scores?.[name])}`));
+      isNumber(fresh) && h('small', {}, `${facts.origin(design)} ${facts.score(name, design.scores?.[name])}`));
   };
   const row = (design) => h('tr', { class: facts.runs.length ? '' : facts.role(design) },
     h('th', {}, h('a', { href: `#design-${design.key}` }, facts.title(design)), ' ',
@@ -129,9 +129,14 @@ function board(facts) {
   return rankedTogether(facts).map((group) => groupBoard(facts, group));
 }
 
-/** The sentences of `glint explain` about the scores of the board. */
+/** Scores of the board that have a sentence in `glint explain`: objectives of all groups, and what is shown of each. */
+export function explainedScores(facts) {
+  const names = new Set([...rankedTogether(facts).map(({ objective }) => objective.name), ...facts.mainScores()]);
+  return [...names].filter((name) => name && facts.info(name).meaning);
+}
+
 function meanings(facts) {
-  const names = facts.mainScores().filter((name) => facts.info(name).meaning);
+  const names = explainedScores(facts);
   return names.length > 0 && h('dl', { class: 'meanings' }, names.map((name) => [h('dt', {}, facts.label(name)), h('dd', {}, facts.info(name).meaning)]));
 }
 

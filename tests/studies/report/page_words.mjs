@@ -11,7 +11,7 @@ const source = (name) => import(pathToFileURL(join(process.argv[2], 'studies/rep
 const { count, Facts, measured, number, percent, shortNames } = await source('format.js');
 const { parseFilter } = await source('filter.js');
 const { chosenText, frontWords, logTicks, panelsOf, setLine, staircase, ticks } = await source('front_words.js');
-const { ranked, rankedTogether } = await source('verdict.js');
+const { explainedScores, ranked, rankedTogether } = await source('verdict.js');
 const { Selection } = await source('selection.js');
 
 // Three significant digits for what was measured, also where the last are zeros.
@@ -68,6 +68,13 @@ const tables = (compared) => rankedTogether(compared).map((group) => [group.capt
 assert.deepEqual(tables(apart), [['a, c', 'c 2', 'a 1'], ['b', 'b 3', 'b 5']]);
 const together = new Facts({ ...apart.data, runs: runs.map((run) => ({ ...run, group: 0 })) });
 assert.deepEqual(tables(together).map(([caption, ...keys]) => [caption, keys.length]), [['', 4]]);
+
+// Each group's objective is explained; first scores are a search's only where something was searched.
+const explained = new Facts({ ...apart.data, score_info: { h: { label: 'h', meaning: 'evenness' }, width: { label: 'width', meaning: 'how wide' } } });
+assert.deepEqual(explainedScores(explained), ['h', 'width']);
+const origins = new Facts({ ...apart.data, runs: runs.map((run) => ({ ...run, evaluations: run.title === 'b' ? 40 : null })) });
+assert.deepEqual(origins.data.designs.map((one) => origins.origin(one)), ['study', 'search', 'search', 'study']);
+assert.deepEqual([new Facts({ trials: [{ number: 1 }] }), new Facts({})].map((one) => one.origin({ key: 'baseline' })), ['search', 'study']);
 
 // The filter works in the units that the table shows.
 const rows = [{ h: 0.801, cnr: 4, state: 'feasible', radius: 80 }, { h: 0.7, cnr: null, state: 'infeasible', radius: 120 }, { h: 0.95, cnr: 2, state: 'failed', radius: 100 }];

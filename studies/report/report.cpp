@@ -148,7 +148,8 @@ void say_probability_best(Json& data) {
     }
   }
   const std::string text =
-      "Probability of being the best, from scans with fresh noise that is the same for all: " +
+      "Probability of being the best, by the mean of scans with fresh noise that is the same for "
+      "all: " +
       join(parts, ", ") + ".";
   data["verdict"]["details"].push_back(text);
   data["verdict"]["findings"].push_back({{"code", "probability_best"}, {"text", text}});

@@ -136,12 +136,12 @@ bool is_size(const std::string& path) {
 }
 
 /// What the ends that are met say about the best design.
-std::string beyond(bool are_sizes, bool has_low, bool has_high) {
+std::string beyond(bool are_sizes, bool has_low, bool has_high, bool is_one) {
   if (are_sizes && has_low != has_high) {
     return has_high ? "the best design is larger than allowed"
                     : "the best design is smaller than allowed";
   }
-  return "a better design may lie beyond them";
+  return is_one ? "a better design may lie beyond it" : "a better design may lie beyond them";
 }
 
 }  // namespace
@@ -174,7 +174,7 @@ std::vector<Finding> findings_on_limits(const Json& data, const Json& design) {
            fmt::format("{} {}: {}.",
                        list,
                        is_one ? "lies on its limit" : "lie on their limits",
-                       beyond(are_sizes, has_low, has_high))}};
+                       beyond(are_sizes, has_low, has_high, is_one))}};
 }
 
 }  // namespace glint::report_detail

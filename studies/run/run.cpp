@@ -190,6 +190,10 @@ class Run {
     return {{"title", title}, {"study", study_.title}, {"role", role}, {"variables", variables}};
   }
 
+  Json baseline_head() const {
+    return head(baseline_title(study_), "baseline", baseline_variables_json(study_));
+  }
+
   /// Adds what the study's populations give. @return false when interrupted
   bool inspect_populations(Storage& storage, OutputFolder& folder, Json& result) {
     const PopulationTask task = {.study = study_,
@@ -279,8 +283,7 @@ class Run {
                                 .front_designs = front_designs,
                                 .is_repeated = !is_interrupted_},
                     options_.progress);
-    const Json baseline = writer_->write(
-        "baseline", study_.scene, head("Baseline", "baseline", baseline_variables_json(study_)));
+    const Json baseline = writer_->write("baseline", study_.scene, baseline_head());
     write_part_picture(
         store_, first_view(store_, study_.scene), options_.out / "baseline" / "part.png");
     Json prototypes = Json::object();

@@ -12,6 +12,7 @@
 #include "core/file.h"
 #include "core/progress.h"
 #include "core/text.h"
+#include "studies/definition/scene_notes.h"
 #include "studies/front/front_files.h"
 #include "studies/report/report.h"
 #include "studies/run/run_report.h"
@@ -76,6 +77,23 @@ std::string changes_text(const std::vector<std::string>& changes) {
   const std::size_t told = std::min(changes.size(), kMaxTold);
   std::string text = join(std::span(changes).first(told), ", ");
   return changes.size() == told ? text : fmt::format("{} and {} more", text, changes.size() - told);
+}
+
+std::string baseline_title(const Study& study) {
+  const auto sets_lights = [](const Prototype& prototype) {
+    return std::ranges::any_of(prototype.overrides, [](const auto& one) {
+      return one.first == "lighting" || one.first == "lighting_use";
+    });
+  };
+  if (study.has_search() || study.has_population() ||
+      std::ranges::none_of(study.prototypes, sets_lights)) {
+    return "Baseline";
+  }
+  std::vector<std::string> lights;
+  for (const std::string& line : light_lines(study.scene)) {
+    lights.push_back(line.substr(0, line.find(',')));
+  }
+  return fmt::format("Baseline ({})", join(lights, ", "));
 }
 
 std::string trials_csv(const Study& study, const Storage& storage) {

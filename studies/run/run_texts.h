@@ -30,6 +30,9 @@ std::string progress_note(const Goal& goal, const SearchProgress& progress);
 /// The first few of changed_keys(); without any a file must be another one.
 std::string changes_text(const std::vector<std::string>& changes);
 
+/// "Baseline"; "Baseline (ring)" where designs without a search stand beside it under other lights.
+std::string baseline_title(const Study& study);
+
 /// All trials of a search with variables and scores, as CSV.
 std::string trials_csv(const Study& study, const Storage& storage);
 

@@ -74,11 +74,12 @@ std::string sensor_text(const SensorSettings& sensor) {
                                  rounded(sensor.exposure),
                                  rounded(sensor.gain),
                                  rounded(sensor.blur_px));
-  return text + (sensor.full_well_e > 0.0
-                     ? fmt::format(", noise of a full well of {} electrons, {} read out",
-                                   rounded(sensor.full_well_e),
-                                   rounded(sensor.read_noise_e))
-                     : std::string(", no noise"));
+  return text +
+         (sensor.full_well_e > 0.0
+              ? fmt::format(", noise of a full well of {} electrons, read noise of {} electrons",
+                            rounded(sensor.full_well_e),
+                            rounded(sensor.read_noise_e))
+              : std::string(", no noise"));
 }
 
 std::string place_text(const Json& defect) {

@@ -287,6 +287,15 @@ TEST(Verdict, NamesTheVariablesThatLieOnTheirLimits) {
             "than allowed.");
   values["lighting.tunnel.radius_mm"] = 80.0;
   EXPECT_THAT(text_of_code(data, "on_limits"), HasSubstr("a better design may lie beyond them"));
+  for (int i = 0; i < 5; ++i) {
+    values["lighting.tunnel.control_mm." + std::to_string(i)] = 100.0;
+  }
+  values["lighting.tunnel.radius_mm"] = 120.0;
+  data["variables"].push_back(
+      {{"name", "sensor.gain"}, {"kind", "float"}, {"low", 1}, {"high", 3}});
+  values["sensor.gain"] = 3.0;
+  EXPECT_EQ(text_of_code(data, "on_limits"),
+            "The gain lies on its limit: a better design may lie beyond it.");
 }
 
 // Two rings have a radius each; of the segments' powers, of which only one has any, two of two lie

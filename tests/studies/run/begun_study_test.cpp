@@ -13,6 +13,7 @@
 #include "studies/definition/study_text.h"
 #include "studies/run/begun_study.h"
 #include "studies/run/run.h"
+#include "studies/run/run_texts.h"
 #include "studies/tolerance/built_designs.h"
 #include "tests/studies/imaging/path_support.h"
 #include "tests/studies/run/rendered_plate.h"
@@ -233,6 +234,24 @@ TEST(BegunStudy, StepsFromALowerMinComeToTheSameValues) {
     EXPECT_NEAR(now->front(), before[0], 1e-12);
     EXPECT_FALSE(point_here(stepped(0.15), stepped(0.2), before).has_value());
   }
+}
+
+TEST(BaselineTitle, TellsTheLightWherePrototypesHaveOthers) {
+  const TemporaryFolder folder;
+  const auto title_of = [&](const std::string& text) {
+    write_file(folder / "study.toml", text);
+    return baseline_title(load_study(folder / "study.toml", {}));
+  };
+  const std::string searched = kBegun + "[prototypes.bar]\nlighting_use = \"left\"\n";
+  EXPECT_EQ(title_of(searched), "Baseline") << "the winner of the search stands beside it";
+  const std::string compared =
+      searched.substr(0, searched.find("[variables]")) +
+      "[prototypes.bar]\nlighting_use = \"left\"\n[objective]\nmaximise = \"defects.min_weber\"\n";
+  EXPECT_EQ(title_of(compared), "Baseline (ring)");
+  EXPECT_EQ(title_of(replaced(compared,
+                              "[prototypes.bar]\nlighting_use = \"left\"",
+                              "[prototypes.high]\n\"lighting.ring.height_mm\" = 55")),
+            "Baseline");
 }
 
 }  // namespace

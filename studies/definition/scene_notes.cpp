@@ -110,12 +110,13 @@ SceneNote scan_note(const SceneSettings& scene) {
   const auto is_whole = [](double value) { return std::abs(value - std::round(value)) < 1e-9; };
   if (!is_whole(periods) || !is_whole(bright)) {
     return {.kind = NoteKind::kRipple,
-            .text = fmt::format("{} positions x duty {:g} over {:g} periods is not a whole number "
+            .text = fmt::format("{} positions x duty {:g} over {:g} {} is not a whole number "
                                 "of bright positions over whole periods: the flawless surface "
                                 "itself shows a ripple.",
                                 scene.scan.positions,
                                 tunnel.duty,
-                                periods)};
+                                periods,
+                                std::abs(periods - 1.0) < 1e-9 ? "period" : "periods")};
   }
   std::string note = fmt::format(
       "{} positions x duty {:g} is a whole number of bright positions over whole periods: where "

@@ -42,7 +42,7 @@ std::string block(const std::string& table, const KeyLines& keys) {
   std::string text = fmt::format("\n[{}]\n", table);
   for (const KeyLine& line : keys) {
     const std::string pair = fmt::format("{} = {}", line.key, line.value);
-    text += line.comment.empty() ? pair + "\n" : fmt::format("{:<24}# {}\n", pair, line.comment);
+    text += line.comment.empty() ? pair + "\n" : fmt::format("{:<23} # {}\n", pair, line.comment);
   }
   return text;
 }
@@ -274,9 +274,10 @@ std::string goal_tables(const StarterPlan& plan) {
       "\n# The worst defect is to stand out as far as it can ...\n"
       "[objective]\n"
       "maximise = \"{}\"\n"
-      "\n# ... in a picture that is not much less even than at the start, and not overexposed.\n"
+      "\n# ... in a picture that is {}not overexposed.\n"
       "[constraints]\n",
-      objective_of(plan.light));
+      objective_of(plan.light),
+      plan.light == StarterLight::kAll ? "" : "not much less even than at the start, and ");
   if (plan.light != StarterLight::kAll) {
     text += fmt::format("\"homogeneity.h_rms\" = {{ min = {:.2f} }}\n", plan.min_h);
   }

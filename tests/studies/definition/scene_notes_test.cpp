@@ -108,7 +108,7 @@ TEST(SceneNotes, TellWhetherAScanHasWholeBrightPositions) {
               ElementsAre(HasSubstr("24 positions x duty 0.5 is a whole number")));
   scene.scan.positions = 25;
   EXPECT_THAT(texts_of_scene(scene, {}),
-              ElementsAre(HasSubstr("25 positions x duty 0.5 over 1 periods "
+              ElementsAre(HasSubstr("25 positions x duty 0.5 over 1 period "
                                     "is not a whole number")));
 }
 

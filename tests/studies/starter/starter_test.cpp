@@ -86,7 +86,16 @@ TEST(StarterText, LimitsEvennessAndClippingAndSaysWhatIsToBeKnownOfTheDent) {
   EXPECT_THAT(text, HasSubstr("\"homogeneity.clipped_share\" = { max = 0.01 }"));
   EXPECT_THAT(text, HasSubstr("# Nothing shows it.\n[defects.dent]"));
   EXPECT_THAT(text, Not(HasSubstr("[material]")));
+  EXPECT_THAT(text,
+              HasSubstr("in a picture that is not much less even than at the start, and not"));
   EXPECT_THAT(starter_text(small_plan(StarterLight::kRing)), HasSubstr("type = \"conductor\""));
+}
+
+// Each design has an evenness of its own, so that only clipping is limited.
+TEST(StarterText, OfAllLightsPromisesNoEvenness) {
+  const std::string text = starter_text(small_plan(StarterLight::kAll));
+  EXPECT_THAT(text, HasSubstr("# ... in a picture that is not overexposed.\n[constraints]\n"));
+  EXPECT_THAT(text, HasSubstr("colour_srgb = [196, 199, 199] # steel"));
 }
 
 }  // namespace

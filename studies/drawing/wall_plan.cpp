@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -114,15 +116,16 @@ std::string wall_csv(const CrossSection& section) {
       const bool is_straight = arc.bulge == 0.0;
       const auto text = [&](double value) { return is_straight ? std::string() : rounded(value); };
       const Vector2d centre = is_straight ? Vector2d::Zero() : arc.centre();
-      csv += csv_row_of(panel,
-                        rounded(arc.from_mm.x()),
-                        rounded(arc.from_mm.y()),
-                        rounded(arc.to_mm.x()),
-                        rounded(arc.to_mm.y()),
-                        text(arc.radius_mm()),
-                        text(centre.x()),
-                        text(centre.y()),
-                        text(arc.angle_rad() * kDegPerRad));
+      // Written as they are: csv_row_of() would take the minus of a text for a formula.
+      csv += csv_row(std::vector<std::string>{std::to_string(panel),
+                                              rounded(arc.from_mm.x()),
+                                              rounded(arc.from_mm.y()),
+                                              rounded(arc.to_mm.x()),
+                                              rounded(arc.to_mm.y()),
+                                              text(arc.radius_mm()),
+                                              text(centre.x()),
+                                              text(centre.y()),
+                                              text(arc.angle_rad() * kDegPerRad)});
     }
   }
   return csv;

@@ -63,6 +63,8 @@ TEST(WallCsv, HasPointsRadiusAndCentreOfEachArc) {
   EXPECT_EQ(rows[2][3].text, "10");
   EXPECT_NEAR(*rows[2][5].number(), 100.0, 0.01);
   EXPECT_NEAR(*rows[2][8].number(), 84.26, 0.01);
+  EXPECT_EQ(wall_csv(semicylinder()).find('\''), std::string::npos) << "a minus begins no formula";
+  EXPECT_THAT(wall_csv(semicylinder()), HasSubstr("\n1,-100,0,-10,99.5,"));
 }
 
 TEST(WallLines, NameTheArcsOrTheTable) {

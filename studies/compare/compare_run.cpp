@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -227,8 +226,7 @@ class CompareRun {
     Json row = pair_json(pair, explained.causes);
     add_inspection(pair, row);
     pairs_.push_back(std::move(row));
-    add_sample(pair.simulated, pair.region, pair.appearance.simulated, simulated_);
-    add_sample(pair.real, pair.region, pair.appearance.real, reals_);
+    samples_.add(pair);
   }
 
   /// Of all views together; nothing where one of the pairs says nothing of its view.
@@ -269,46 +267,8 @@ class CompareRun {
     }
   }
 
-  /// Each picture once.
-  void add_sample(const ComparedPicture& picture,
-                  const Mask& region,
-                  const SurfaceTexture& texture,
-                  std::map<std::string, TextureSample>& samples) {
-    const std::string key = picture.source.picture.string();
-    if (!samples.contains(key)) {
-      samples.emplace(key, texture_sample(picture.source.name, picture.grey, region, texture));
-    }
-  }
-
-  /// Only where photographs are of one kind: compared with the same simulated picture.
-  bool has_yardstick() const { return simulated_.size() == 1 && reals_.size() >= 2; }
-
-  std::optional<Yardstick> yardstick() const {
-    const auto values = [](const std::map<std::string, TextureSample>& samples) {
-      std::vector<TextureSample> list;
-      for (const auto& [key, sample] : samples) {
-        list.push_back(sample);
-      }
-      return list;
-    };
-    return has_yardstick() ? measure_yardstick(values(reals_), values(simulated_)) : std::nullopt;
-  }
-
-  /// The pictures that no window of a texture fits into.
-  std::string without_windows() const {
-    std::string names;
-    for (const auto* samples : {&simulated_, &reals_}) {
-      for (const auto& [key, sample] : *samples) {
-        if (sample.texture.windows == 0) {
-          names += (names.empty() ? "" : ", ") + sample.name;
-        }
-      }
-    }
-    return names;
-  }
-
   Json result_json() const {
-    const std::optional<Yardstick> stick = yardstick();
+    const std::optional<Yardstick> stick = samples_.measure();
     Json result = {{"schema", 1}, {"status", "done"}};
     result["pairs"] = pairs_;
     result["yardstick"] = yardstick_json(stick);
@@ -317,14 +277,8 @@ class CompareRun {
     if (const std::string note = options_.is_refining ? refined_note() : ""; !note.empty()) {
       result["notes"].push_back(note);
     }
-    if (has_yardstick() && !stick) {
-      result["notes"].push_back("No yardstick of photographs: the part has no window of 16 px in " +
-                                without_windows() + ".");
-    }
-    if (simulated_.size() > 1 && reals_.size() >= 2) {
-      result["notes"].push_back(
-          "No yardstick of photographs: compare one simulated picture with all photographs of a "
-          "kind to see how many times as far it is from them as they are from each other.");
+    for (const std::string& note : samples_.notes()) {
+      result["notes"].push_back(note);
     }
     result["report"] = "report.html";
     return result;
@@ -360,8 +314,7 @@ class CompareRun {
   std::vector<RefinedView> views_;  ///< with --refine: of pairs whose simulated side was rendered
   std::size_t num_refined_ = 0;     ///< pairs with a scene of their own
   std::optional<SceneSettings> joint_;
-  std::map<std::string, TextureSample> simulated_;
-  std::map<std::string, TextureSample> reals_;
+  YardstickPictures samples_;
 };
 
 }  // namespace

@@ -175,4 +175,85 @@ std::optional<Yardstick> measure_yardstick(std::vector<TextureSample> reals,
   return result;
 }
 
+void YardstickPictures::add(const ComparedPair& pair) {
+  const auto add_to = [&](std::map<std::string, TextureSample>& samples,
+                          const ComparedPicture& picture,
+                          const SurfaceTexture& texture) {
+    const std::string key = picture.source.picture.string();
+    if (!samples.contains(key)) {
+      samples.emplace(key, texture_sample(picture.source.name, picture.grey, pair.region, texture));
+    }
+  };
+  add_to(simulated_, pair.simulated, pair.appearance.simulated);
+  add_to(reals_, pair.real, pair.appearance.real);
+}
+
+std::vector<const TextureSample*> YardstickPictures::photographs(bool is_copy) const {
+  std::vector<const TextureSample*> all;
+  std::vector<const TextureSample*> list;
+  for (const auto& [key, sample] : reals_) {
+    const bool is_repeated = std::ranges::any_of(all, [&](const TextureSample* earlier) {
+      return earlier->grey.values() == sample.grey.values();
+    });
+    all.push_back(&sample);
+    if (is_repeated == is_copy) {
+      list.push_back(&sample);
+    }
+  }
+  return list;
+}
+
+std::optional<Yardstick> YardstickPictures::measure() const {
+  if (!has_yardstick()) {
+    return std::nullopt;
+  }
+  std::vector<TextureSample> reals;
+  for (const TextureSample* photograph : photographs(false)) {
+    reals.push_back(*photograph);
+  }
+  return measure_yardstick(std::move(reals), {simulated_.begin()->second});
+}
+
+std::string YardstickPictures::without_windows() const {
+  std::string names;
+  for (const auto* samples : {&simulated_, &reals_}) {
+    for (const auto& [key, sample] : *samples) {
+      if (sample.texture.windows == 0) {
+        names += (names.empty() ? "" : ", ") + sample.name;
+      }
+    }
+  }
+  return names;
+}
+
+std::vector<std::string> YardstickPictures::notes() const {
+  std::vector<std::string> notes;
+  if (simulated_.size() > 1 && reals_.size() >= 2) {
+    notes.emplace_back(
+        "No yardstick of photographs: compare one simulated picture with all photographs of a "
+        "kind to see how many times as far it is from them as they are from each other.");
+  }
+  if (!has_yardstick()) {
+    return notes;
+  }
+  const std::string missing = without_windows();
+  if (!missing.empty()) {
+    notes.push_back("No yardstick of photographs: the part has no window of 16 px in " + missing +
+                    ".");
+  }
+  std::string copies;
+  for (const TextureSample* copy : photographs(true)) {
+    copies += (copies.empty() ? "" : ", ") + copy->name;
+  }
+  if (photographs(false).size() < 2) {
+    notes.emplace_back("No yardstick of photographs: all of them are one and the same picture.");
+  } else if (!copies.empty()) {
+    notes.push_back(
+        "Photographs that are equal to another one in every pixel do not count for the "
+        "yardstick: " +
+        copies + ".");
+  }
+  return notes;
+}
+
 }  // namespace glint

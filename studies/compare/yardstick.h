@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,6 +16,8 @@
 #include "metrics/appearance/surface_texture.h"
 
 namespace glint {
+
+struct ComparedPair;
 
 /// A picture's grey values over their mean, and its texture.
 struct TextureSample {
@@ -65,5 +68,29 @@ struct Yardstick {
 /// @returns nothing for fewer than two real pictures, or where one picture has no window
 std::optional<Yardstick> measure_yardstick(std::vector<TextureSample> reals,
                                            std::vector<TextureSample> simulated);
+
+/// The pictures of a comparison, each file once.
+class YardstickPictures {
+ public:
+  void add(const ComparedPair& pair);
+
+  /// Where one simulated picture was compared with two photographs or more: copies of a photograph
+  /// differ from it by nothing and do not count.
+  std::optional<Yardstick> measure() const;
+
+  /// Which photographs do not count, and why there is no yardstick of two or more.
+  std::vector<std::string> notes() const;
+
+ private:
+  /// Only where photographs are of one kind: compared with the same simulated picture.
+  bool has_yardstick() const { return simulated_.size() == 1 && reals_.size() >= 2; }
+
+  /// Those that are equal to an earlier one in the order of their paths, or all others.
+  std::vector<const TextureSample*> photographs(bool is_copy) const;
+  std::string without_windows() const;
+
+  std::map<std::string, TextureSample> simulated_;  ///< by path
+  std::map<std::string, TextureSample> reals_;
+};
 
 }  // namespace glint

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/compare/yardstick.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "studies/compare/compared_pair.h"
 #include "tests/metrics/overlap/drawn_edges.h"
 
 namespace glint {
@@ -79,6 +81,39 @@ TEST(TextureSampleTest, HasGreysOverTheirMean) {
   const TextureSample sample = texture_sample("s", faint, {}, {});
   EXPECT_FLOAT_EQ(sample.grey(0, 0), 0.9F);
   EXPECT_FLOAT_EQ(sample.grey(1, 0), 1.1F);
+}
+
+/// A simulated surface beside the photograph of that name.
+ComparedPair pair_with(const std::string& name, const TextureSample& photograph) {
+  ComparedPair pair;
+  const TextureSample simulated = surface(0.12, 9, 21);
+  pair.simulated.source = {.name = "simulated", .picture = "simulated.png"};
+  pair.simulated.grey = simulated.grey;
+  pair.appearance.simulated = simulated.texture;
+  pair.real.source = {.name = name, .picture = name + ".png"};
+  pair.real.grey = photograph.grey;
+  pair.appearance.real = photograph.texture;
+  return pair;
+}
+
+// Copies differ by nothing: beside them any simulation would be endlessly far off.
+TEST(YardstickPictures, CountsCopiesOfAPhotographOnce) {
+  const std::vector<TextureSample> reals = photographs();
+  YardstickPictures pictures;
+  pictures.add(pair_with("a", reals[0]));
+  pictures.add(pair_with("copy", reals[0]));
+  EXPECT_FALSE(pictures.measure().has_value());
+  EXPECT_THAT(pictures.notes(),
+              ::testing::ElementsAre(::testing::HasSubstr("one and the same picture")));
+  pictures.add(pair_with("d", reals[1]));
+  pictures.add(pair_with("e", reals[2]));
+  const auto stick = pictures.measure();
+  ASSERT_TRUE(stick.has_value());
+  EXPECT_EQ(stick->reals, 3U);
+  const auto without = measure_yardstick({reals[0], reals[1], reals[2]}, {surface(0.12, 9, 21)});
+  EXPECT_NEAR(stick->multiple, without->multiple, 1e-4 * without->multiple);
+  EXPECT_THAT(pictures.notes(),
+              ::testing::ElementsAre(::testing::EndsWith("do not count for the yardstick: copy.")));
 }
 
 }  // namespace

@@ -12,12 +12,14 @@
 #include "metrics/appearance/grey_sums.h"
 #include "metrics/overlap/boundary_distance.h"
 #include "metrics/overlap/outline_motion.h"
+#include "simulator/sensor/sensor.h"
 #include "studies/compare/camera/scene_camera.h"
 #include "studies/compare/refined_scene.h"
 #include "studies/compare/roughness_cause.h"
 #include "studies/compare/surface/placed_edges.h"
 #include "studies/compare/surface/simulated_surface.h"
 #include "studies/definition/scene_file.h"
+#include "studies/imaging/scene_picture.h"
 
 namespace glint {
 namespace {
@@ -170,9 +172,21 @@ ToldCause told(const FoundCause& found) {
   return cause;
 }
 
+/// Whether no gain can be told: radiances of any unit have none.
+bool has_unknown_exposure(const ComparedPair& pair) {
+  return pair.simulated.is_scaled || pair.real.is_scaled;
+}
+
+/// Grey of the dark signal, where the simulated picture's scene is known.
+double dark_of(const ComparedPair& pair) {
+  const std::filesystem::path& scene = pair.simulated.source.scene;
+  return scene.empty() ? 0.0 : dark_grey(load_scene(scene).sensor);
+}
+
 /// Over pixels whose mean in both exposures is so far below full scale that noise clips neither:
 /// where each picture chose, those brighter by their noise would be missing.
-GreySums grey_sums(const ComparedPair& pair) {
+/// @param dark  grey of the sensor's dark signal, which is taken off: a gain is one of light
+GreySums grey_sums(const ComparedPair& pair, double dark) {
   constexpr double kClearOfNoise = 2.0;  // four deviations of one picture, noise alike in both
   const ExposureMatch& match = pair.appearance.exposure;
   const double limit = std::min(1.0, match.gain + match.offset) - kClearOfNoise * match.rms;
@@ -183,7 +197,7 @@ GreySums grey_sums(const ComparedPair& pair) {
     const double mean = 0.5 * (match.gain * simulated + match.offset + real);
     if ((pair.region.empty() || pair.region.values()[i] != 0) && std::min(simulated, real) > 0.0 &&
         std::max(simulated, real) < 1.0 && mean < limit) {
-      sums.add(simulated, real);
+      sums.add(simulated - dark, real - dark);
     }
   }
   return sums;
@@ -194,8 +208,11 @@ GreySums grey_sums(const ComparedPair& pair) {
 /// flat; that of the simulated on the real one is too steep. It is taken halfway, where noise is
 /// alike in both; between both is what is not known.
 std::optional<ToldCause> gain_cause(const ComparedPair& pair) {
-  const GreySums all = grey_sums(pair);
-  if (pair.appearance.correlation < kMinCorrelation || all.pixels < 1.0) {
+  if (has_unknown_exposure(pair) || pair.appearance.correlation < kMinCorrelation) {
+    return std::nullopt;
+  }
+  const GreySums all = grey_sums(pair, dark_of(pair));
+  if (all.pixels < 1.0) {
     return std::nullopt;
   }
   const GreySums sums = pair.appearance.exposure.offset != 0.0 ? all.centred() : all;
@@ -318,8 +335,9 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
   }
   PairCauses but_gain = causes;
   but_gain.gain = 1.0;
-  const auto fit = compare_detail::fit_roughness(
-      pair, refined_scene(read_exposed_scene(source), but_gain), store);
+  // At the exposure of the simulated picture, wherever the part has moved since.
+  const SceneSettings scene = with_equal_exposure(store, read_exposed_scene(source));
+  const auto fit = compare_detail::fit_roughness(pair, refined_scene(scene, but_gain), store);
   if (!fit || std::abs(fit->change) < kSurelySigmas * fit->sigma ||
       fit->share < kMinShare * (1.0 - fit->gain_share)) {
     return;
@@ -333,7 +351,8 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
                          .share = fit->share,
                          .of = "grey"});
   causes.gain = 1.0;
-  if (std::abs(fit->gain - 1.0) > std::max(kMinGain, kSurelySigmas * fit->gain_sigma)) {
+  if (!has_unknown_exposure(pair) &&
+      std::abs(fit->gain - 1.0) > std::max(kMinGain, kSurelySigmas * fit->gain_sigma)) {
     causes.gain = fit->gain;
     causes.told.push_back({.name = "gain",
                            .value = fit->gain,

@@ -31,7 +31,7 @@ struct PairCauses {
   std::vector<ToldCause> told;
   std::optional<CauseFit> edges;                         ///< empty: no geometry, or too few edges
   Eigen::Vector3d middle_mm = Eigen::Vector3d::UnitZ();  ///< turns are about it; camera frame
-  double gain = 1.0;                                     ///< 1: none beyond noise
+  double gain = 1.0;                                     ///< of light; 1: none beyond noise
   double roughness_change = 0.0;                         ///< of material.roughness
   double roughness_bound = 0.0;                          ///< of its sigma: RoughnessFit::bound
   std::optional<PinholeIntrinsics> calibrated = {};      ///< the real camera, where it is known

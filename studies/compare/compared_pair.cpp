@@ -37,6 +37,17 @@ void check_sizes(const ComparedPicture& simulated, const ComparedPicture& real) 
                                           : "pictures to compare must have one size"));
 }
 
+/// Viewers turn what Glint, like the calibration of its camera, takes as it is stored.
+void note_orientation(const ComparedPicture& picture, std::vector<std::string>& notes) {
+  if (picture.orientation != 1) {
+    notes.push_back(fmt::format(
+        "{} is shown turned or mirrored by viewers, as it says of itself (orientation {}): it was "
+        "compared as it is stored.",
+        picture.source.picture.filename().string(),
+        picture.orientation));
+  }
+}
+
 void note_formats(const ComparedPicture& simulated,
                   const ComparedPicture& real,
                   std::vector<std::string>& notes) {
@@ -53,6 +64,11 @@ void note_formats(const ComparedPicture& simulated,
                     "scale.",
                     simulated.bits,
                     real.bits));
+  }
+  if (simulated.is_scaled || real.is_scaled) {
+    notes.emplace_back(
+        "Floats go beyond full scale: which exposure they have is not known, and no gain is "
+        "named.");
   }
 }
 
@@ -297,6 +313,11 @@ ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
   result.real = read_compared(pair.real);
   check_sizes(result.simulated, result.real);
   note_formats(result.simulated, result.real, result.notes);
+  note_orientation(result.simulated, result.notes);
+  note_orientation(result.real, result.notes);
+  if (result.simulated.grey.values() == result.real.grey.values()) {
+    result.notes.emplace_back("Both pictures are equal in every pixel.");
+  }
   result.better_turn = find_better_turn(result.simulated.grey, result.real.grey);
   if (result.better_turn) {
     result.notes.push_back(sentence_of(*result.better_turn));

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/image/image_io.h"
+#include "core/image/picture_orientation.h"
 
 namespace glint {
 namespace {
@@ -83,7 +84,8 @@ ComparedPicture read_compared(const CompareSource& source) {
                             .grey = linear_values(picture.pixels),
                             .bits = picture.bits,
                             .is_float = picture.is_float,
-                            .channels = picture.channels};
+                            .channels = picture.channels,
+                            .orientation = picture_orientation(source.picture)};
   const auto& values = result.grey.values();
   if (!std::ranges::all_of(values, [](float grey) { return std::isfinite(grey); })) {
     throw ConfigError(name + ": has a value that is no finite number");
@@ -100,6 +102,7 @@ ComparedPicture read_compared(const CompareSource& source) {
   }
   if (picture.is_float && *high > 1.0F) {
     scale_floats(result.grey);
+    result.is_scaled = true;
   }
   return result;
 }

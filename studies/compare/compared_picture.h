@@ -13,7 +13,10 @@ struct ComparedPicture {
   ImageF grey;  ///< linear, full scale 1; pictures of floats are scaled to that by their brightest
   int bits = 8;
   bool is_float = false;
+  /// Floats beyond full scale, divided by their brightest: what exposure they have is not known.
+  bool is_scaled = false;
   int channels = 1;
+  int orientation = 1;  ///< as of picture_orientation(): greys are as they are stored
 
   int width() const { return grey.width(); }
 

@@ -9,11 +9,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/image/exr_layers.h"
 #include "studies/compare/causes.h"
 #include "studies/compare/compare_result.h"
 #include "studies/compare/compared_pair.h"
 #include "tests/studies/compare/compare_fixture.h"
+#include "tests/support/oriented_tiff.h"
 
 namespace glint {
 namespace {
@@ -21,6 +23,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 using ::testing::ThrowsMessage;
 
@@ -311,6 +314,30 @@ TEST_F(BadInput, FloatsAgainstCodesAreTheSamePictureInAnotherExposure) {
   EXPECT_GT(pair.geometry.iou.value(), 0.998);
   EXPECT_LT(pair.appearance.histogram_distance, 0.003);
   EXPECT_THAT(pair.notes, Contains(HasSubstr("floats")));
+  // Of which unit they are nobody knows: what brings them to codes is no gain of the camera.
+  EXPECT_GT(std::abs(pair.appearance.exposure.gain - 1.0), 0.05);
+  EXPECT_THAT(pair.notes, Contains(HasSubstr("no gain is named")));
+  EXPECT_TRUE(find_causes(pair).told.empty());
+}
+
+// As cameras of telephones write them: viewers turn what is stored.
+TEST_F(BadInput, APictureThatViewersTurnIsTold) {
+  const ImageF blade = drawn_blade({.index = 1});
+  Image<std::uint8_t> codes(blade.width(), blade.height());
+  std::ranges::transform(blade.values(), codes.values().begin(), [](float grey) {
+    return static_cast<std::uint8_t>(std::clamp(255.0F * grey + 0.5F, 0.0F, 255.0F));
+  });
+  write_file(folder() / "turned.tif", test::oriented_tiff(codes, 6));
+  const ComparedPair pair = compare(good(), folder() / "turned.tif");
+  EXPECT_GT(pair.geometry.iou.value(), 0.998);
+  EXPECT_THAT(pair.notes,
+              Contains(AllOf(HasSubstr("turned.tif is shown turned"), HasSubstr("orientation 6"))));
+}
+
+TEST_F(BadInput, OnePictureOnBothSidesIsTold) {
+  EXPECT_THAT(compare(good(), good()).notes, Contains(HasSubstr("equal in every pixel")));
+  const auto other = write("other.png", drawn_blade({.index = 1}));
+  EXPECT_THAT(compare(good(), other).notes, Not(Contains(HasSubstr("equal"))));
 }
 
 TEST_F(BadInput, ValuesThatAreNoNumbersAreRefused) {

@@ -105,6 +105,25 @@ TEST_F(ComparePairTest, TellsInWhichRegionGreysDiffer) {
   }
 }
 
+// Both pictures have the dark signal of the scene, whatever the light: the gain is the light's.
+TEST_F(ComparePairTest, OfMoreLightHasItsGainBesideTheDarkSignal) {
+  const auto before_dark = [](ImageF picture) {
+    for (float& grey : picture.values()) {
+      grey += 0.2F;
+    }
+    return picture;
+  };
+  ComparedPair pair = compare(before_dark(drawn_blade({.noise = 0.002})),
+                              before_dark(drawn_blade({.gain = 0.8, .noise = 0.002, .index = 1})));
+  pair.simulated.source.scene = folder() / "scene.toml";
+  write_file(pair.simulated.source.scene,
+             "schema = 1\n[sensor]\nfull_well_e = 10000\ndark_e = 2000\n");
+  const PairCauses causes = find_causes(pair);
+  ASSERT_EQ(causes.told.size(), 1U);
+  EXPECT_EQ(causes.told[0].name, "gain");
+  EXPECT_NEAR(causes.told[0].value, 0.8, 0.002);
+}
+
 // Noise of the simulated picture makes the gain of a regression too small: that is no cause.
 TEST_F(ComparePairTest, HasNoGainOfNoise) {
   const ComparedPair equal =

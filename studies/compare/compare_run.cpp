@@ -219,8 +219,8 @@ class CompareRun {
       ++num_refined_;
     }
     if (options_.is_refining && pair.simulated.source.is_rendered()) {
-      views_.push_back(
-          {.scene = read_exposed_scene(pair.simulated.source), .causes = explained.causes});
+      views_.push_back({.scene = refinable_scene(pair.simulated.source, explained.causes, store_),
+                        .causes = explained.causes});
     }
     pages_.push_back(page_pair(pair));
     Json row = pair_json(pair, explained.causes);

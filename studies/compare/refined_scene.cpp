@@ -28,6 +28,17 @@ double exposed_by(const SceneSettings& scene, double gain) {
   return dark + gain * (scene.expose_to - dark);
 }
 
+/// So many times the light; the dark signal, which sensor.gain would multiply too, stays as it is.
+void put_gain(double gain, SceneSettings& refined) {
+  if (refined.expose_to > 0.0) {  // a gain would be exposed away
+    refined.expose_to = std::min(exposed_by(refined, gain), 1.0);
+  } else if (dark_grey(refined.sensor) > 0.0) {
+    refined.sensor.exposure *= gain;
+  } else {
+    refined.sensor.gain *= gain;
+  }
+}
+
 /// Moves the camera against the part as the part is moved against it, and changes its lens.
 void put_changes(const CauseVector& change, const Vector3d& middle_mm, SceneSettings& refined) {
   const Vector3d turn(change[0], change[1], change[2]);
@@ -127,11 +138,7 @@ SceneSettings read_exposed_scene(const CompareSource& source) {
 
 SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes) {
   SceneSettings refined = scene;
-  if (refined.expose_to > 0.0) {  // a gain would be exposed away
-    refined.expose_to = std::min(exposed_by(refined, causes.gain), 1.0);
-  } else {
-    refined.sensor.gain *= causes.gain;
-  }
+  put_gain(causes.gain, refined);
   refined.material.roughness += causes.roughness_change;
   if (causes.calibrated) {
     put_intrinsics(*causes.calibrated, refined);
@@ -142,12 +149,17 @@ SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes
   return refined;
 }
 
+SceneSettings refinable_scene(const CompareSource& source,
+                              const PairCauses& causes,
+                              SceneStore& store) {
+  const SceneSettings scene = read_exposed_scene(source);
+  const bool is_level_lost = scene.expose_to > 0.0 && (causes.roughness_change != 0.0 ||
+                                                       exposed_by(scene, causes.gain) > 1.0);
+  return is_level_lost ? with_equal_exposure(store, scene) : scene;
+}
+
 std::string refined_toml(const CompareSource& source, const PairCauses& causes, SceneStore& store) {
-  SceneSettings scene = read_exposed_scene(source);
-  if (scene.expose_to > 0.0 && exposed_by(scene, causes.gain) > 1.0) {
-    scene = with_equal_exposure(store, scene);
-  }
-  return to_toml(write_scene(refined_scene(scene, causes)));
+  return to_toml(write_scene(refined_scene(refinable_scene(source, causes, store), causes)));
 }
 
 std::optional<SceneSettings> jointly_refined(std::span<const RefinedView> views) {

@@ -20,17 +20,26 @@ namespace glint {
 SceneSettings read_exposed_scene(const CompareSource& source);
 
 /// The scene with the causes put in: camera, viewpoint (which moves against the part as the part
-/// does against it), gain and roughness.
+/// does against it), gain and roughness. The gain is one of light: it goes into sensor.expose_to
+/// where that is set, else into sensor.gain, or sensor.exposure where there is a dark signal, which
+/// it leaves alone.
 SceneSettings refined_scene(const SceneSettings& scene, const PairCauses& causes);
 
-/// The same as a TOML file. Where the gain takes sensor.expose_to beyond full scale the exposure
-/// that it stands for is found by rendering, and written in its place.
+/// read_exposed_scene(); where causes leave no level that sensor.expose_to could say, with the
+/// exposure that it stands for, which is found by rendering: a gain beyond full scale, or other
+/// metal, whose gain is one beside the exposure of the simulated picture.
+/// @param source  a rendered view @throws ConfigError, IoError
+SceneSettings refinable_scene(const CompareSource& source,
+                              const PairCauses& causes,
+                              SceneStore& store);
+
+/// The refined_scene() of a refinable_scene() as a TOML file.
 /// @param source  a rendered view @throws ConfigError, IoError
 std::string refined_toml(const CompareSource& source, const PairCauses& causes, SceneStore& store);
 
 /// A view of several that are refined together.
 struct RefinedView {
-  SceneSettings scene;  ///< read_exposed_scene(), of one viewpoint
+  SceneSettings scene;  ///< refinable_scene(), of one viewpoint
   PairCauses causes;    ///< without a calibration
 };
 

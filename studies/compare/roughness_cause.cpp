@@ -3,7 +3,8 @@
 // Gauss-Newton in gain and roughness: grey values at the scene's roughness and at a quarter more
 // give a derivative, the third rendering is at the value that follows. Each rendering is two
 // independent pictures of half the samples: products of one with the other have no noise of their
-// own, which would make every derivative too small (two-sample instrumental variables).
+// own, which would make every derivative too small (two-sample instrumental variables). Grey values
+// are those that light makes: the dark signal stays what it is under any light.
 #include "studies/compare/roughness_cause.h"
 
 #include <algorithm>
@@ -11,11 +12,14 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
 
 #include "core/image/image_io.h"
+#include "metrics/appearance/unclipped_pixels.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/compare/camera/reduced_scene.h"
 #include "studies/definition/render_methods.h"
@@ -33,8 +37,10 @@ constexpr int kWidthPx = 612;
 constexpr int kHeightPx = 512;
 constexpr int kMinSamples = 32;
 constexpr std::size_t kMinPixels = 1000;
-constexpr float kBright = 0.98F;  ///< at least: clipped
-constexpr double kStep = 1.25;    ///< factor on the roughness
+/// So many times full scale a rendered frame may have: more than the noise of paths adds, little
+/// enough for single bright paths to be told. A power of two: grey values are not rounded.
+constexpr double kHeadroom = 2.0;
+constexpr double kStep = 1.25;  ///< factor on the roughness
 constexpr double kMinRoughness = 0.02;
 constexpr int kBlockPx = 12;  ///< whose misfit is taken together: it is alike for neighbours
 constexpr int kRimPx = 2;     ///< from the part's edge
@@ -48,16 +54,20 @@ int factor_of(const SceneSettings& scene) {
 /// Two independent pictures of one scene.
 using Halves = std::array<ImageF, 2>;
 
-/// Mean grey of the scene's frames, without one of the two batches.
-/// @param dark  grey of the sensor's dark signal, which the scene here has not
+/// Mean grey that light makes in the scene's frames, without one of the two batches. One frame may
+/// be up to twice as bright as full scale; of several each is clipped, as only their mean is
+/// compared.
 ImageF grey_of(const PathPicture& picture,
                const SceneSettings& scene,
-               double dark,
                std::optional<std::size_t> without) {
-  const Sensor sensor(scene.sensor, picture.sums.width_px, picture.sums.height_px);
+  const auto frames = frame_factors(scene, picture.unit_power_w);
+  const double headroom = frames.size() == 1 ? kHeadroom : 1.0;
+  SensorSettings settings = scene.sensor;
+  settings.exposure /= headroom;
+  const Sensor sensor(settings, picture.sums.width_px, picture.sums.height_px);
   ScanSums sums(picture.sums.width_px, picture.sums.height_px);
   ImageF grey;
-  for (const FrameFactors& factors : frame_factors(scene, picture.unit_power_w)) {
+  for (const FrameFactors& factors : frames) {
     sensor.expose(frame_radiance(picture, factors, without), sums.frames, grey);
     std::ranges::transform(
         grey.values(), sums.sum.values(), sums.sum.values().begin(), std::plus<>());
@@ -65,9 +75,52 @@ ImageF grey_of(const PathPicture& picture,
   }
   ImageF mean = sums.aspect();
   for (float& value : mean.values()) {
-    value += static_cast<float>(dark);
+    value *= static_cast<float>(headroom);
   }
   return mean;
+}
+
+/// Of the photograph what light made. Floats beyond full scale are radiances, without a dark
+/// signal.
+ImageF light_of(const ComparedPicture& real, double dark, int factor) {
+  ImageF light = reduce(real.grey, factor);
+  for (float& value : light.values()) {
+    value -= static_cast<float>(dark);
+  }
+  return light;
+}
+
+/// Reduced pixels of which a part is at full scale.
+Mask clipped_in(const ImageF& grey, int factor) {
+  Mask clipped(grey.width() / factor, grey.height() / factor);
+  for (int y = 0; y < clipped.height() * factor; ++y) {
+    for (int x = 0; x < clipped.width() * factor; ++x) {
+      if (grey(x, y) >= 1.0F) {
+        clipped(x / factor, y / factor) = 1;
+      }
+    }
+  }
+  return clipped;
+}
+
+ImageF mean_of(const Halves& halves) {
+  ImageF mean = halves[0];
+  std::ranges::transform(
+      mean.values(), halves[1].values(), mean.values().begin(), [](float one, float other) {
+        return 0.5F * (one + other);
+      });
+  return mean;
+}
+
+void subtract_mean(ImageF& picture, std::span<const std::size_t> pixels) {
+  double sum = 0.0;
+  for (const std::size_t pixel : pixels) {
+    sum += static_cast<double>(picture.values()[pixel]);
+  }
+  const auto mean = static_cast<float>(sum / static_cast<double>(pixels.size()));
+  for (float& value : picture.values()) {
+    value -= mean;
+  }
 }
 
 /// real = gain base + product derivative, product = gain times the change.
@@ -96,14 +149,20 @@ class RoughnessSearch {
       : store_(store),
         factor_(factor_of(scene)),
         scene_(reduced_scene(with_equal_exposure(store, scene), factor_, kMinSamples)),
-        dark_(dark_grey(scene.sensor)),
-        real_(reduce(pair.real.grey, factor_)) {}
+        dark_(pair.real.is_scaled ? 0.0 : dark_grey(scene.sensor)),
+        has_offset_(pair.appearance.exposure.offset != 0.0),
+        real_(light_of(pair.real, dark_, factor_)),
+        clipped_(clipped_in(pair.real.grey, factor_)) {}
 
   std::optional<RoughnessFit> find() {
     const double first = scene_.material.roughness;
-    const Halves base = at(first);
+    Halves base = rendered(first);
     if (!choose_pixels(base)) {
       return std::nullopt;
+    }
+    base = without_offset(std::move(base));
+    if (has_offset_) {
+      subtract_mean(real_, pixels_);
     }
     const double stepped = first * kStep <= 1.0 ? first * kStep : first / kStep;
     auto fit = fitted(base, derivatives_between(base, at(stepped), stepped - first));
@@ -120,7 +179,17 @@ class RoughnessSearch {
   }
 
  private:
-  Halves at(double roughness) {
+  Halves at(double roughness) { return without_offset(rendered(roughness)); }
+
+  /// Where exposures may differ by an offset too: about the means over the chosen pixels.
+  Halves without_offset(Halves halves) const {
+    if (has_offset_) {
+      std::ranges::for_each(halves, [&](ImageF& half) { subtract_mean(half, pixels_); });
+    }
+    return halves;
+  }
+
+  Halves rendered(double roughness) {
     SceneSettings scene = scene_;
     scene.material.roughness = roughness;
     const std::shared_ptr<const PathPicture> picture = store_.picture(scene);
@@ -129,10 +198,10 @@ class RoughnessSearch {
       part_ = sound_part(picture->sums, kRimPx);
     }
     if (picture->batches.empty()) {  // without noise
-      const ImageF whole = grey_of(*picture, scene, dark_, std::nullopt);
+      const ImageF whole = grey_of(*picture, scene, std::nullopt);
       return {whole, whole};
     }
-    return {grey_of(*picture, scene, dark_, 1), grey_of(*picture, scene, dark_, 0)};
+    return {grey_of(*picture, scene, 1), grey_of(*picture, scene, 0)};
   }
 
   /// Roughness that metal may have.
@@ -145,13 +214,16 @@ class RoughnessSearch {
     if (part_.width() != real_.width() || part_.height() != real_.height()) {
       return false;  // the picture is not of this scene
     }
-    for (std::size_t i = 0; i < part_.size(); ++i) {
-      const float brightest =
-          std::max({real_.values()[i], base[0].values()[i], base[1].values()[i]});
-      if (part_.values()[i] != 0 && brightest < kBright) {
-        pixels_.push_back(i);
+    Mask shown = part_;
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      const double brightest =
+          static_cast<double>(std::max(base[0].values()[i], base[1].values()[i]));
+      if (clipped_.values()[i] != 0 || brightest >= 0.98 * kHeadroom) {
+        shown.values()[i] = 0;
       }
     }
+    pixels_ = unclipped_pixels(
+        mean_of(base), real_, shown, {.full_scale = 1.0 - dark_, .noise_over_rest = 1.0 * factor_});
     return pixels_.size() >= kMinPixels;
   }
 
@@ -262,8 +334,10 @@ class RoughnessSearch {
   SceneStore& store_;
   int factor_;
   SceneSettings scene_;
-  double dark_;  ///< grey of the sensor's dark signal, under its gain
-  ImageF real_;
+  double dark_;      ///< grey of the sensor's dark signal, which light leaves as it is
+  bool has_offset_;  ///< exposures may differ by one
+  ImageF real_;      ///< what light made
+  Mask clipped_;
   Mask part_;
   std::vector<std::size_t> pixels_;
   int renders_ = 0;

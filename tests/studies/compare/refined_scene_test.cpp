@@ -45,12 +45,18 @@ samples = 256
 class RefinedExposure : public CompareFiles {
  protected:
   /// @param picture  that the scene was rendered to
-  SceneSettings refined(const std::string& picture, double gain) {
-    write_file(folder() / "scene.toml", kGreyPlate);
+  SceneSettings refined(const std::string& picture,
+                        double gain,
+                        const std::string& sensor = "",
+                        double roughness_change = 0.0) {
+    std::string plate = kGreyPlate;
+    plate.insert(plate.find("[render.paths]"), sensor);
+    write_file(folder() / "scene.toml", plate);
     const CompareSource source = {
         .name = "s", .picture = folder() / picture, .scene = folder() / "scene.toml"};
     PairCauses causes;
     causes.gain = gain;
+    causes.roughness_change = roughness_change;
     std::vector<Problem> errors;
     const SceneSettings scene =
         read_scene(parse_toml(refined_toml(source, causes, store_), "refined.toml"), errors);
@@ -85,6 +91,30 @@ TEST_F(RefinedExposure, OfADesignBeyondFullScaleIsAnExposure) {
   const double grey = 0.5 * scene.sensor.exposure * scene.sensor.gain;
   EXPECT_NEAR(grey, 1.2 * (0.9 - dark_grey(scene.sensor)), 0.2);
   EXPECT_GT(grey, 0.9);
+}
+
+constexpr const char* kDarkSensor = "full_well_e = 10000\ndark_e = 1000\n";
+
+// The dark signal is there without light: more light leaves it as it is, a gain would not.
+TEST_F(RefinedExposure, LeavesTheDarkSignalAlone) {
+  const SceneSettings view = refined("image.tif", 1.2, kDarkSensor);
+  EXPECT_NEAR(view.sensor.exposure, 0.7 * 1.2, 1e-12);
+  EXPECT_EQ(view.sensor.gain, 1.1);
+  const SceneSettings design = refined("aspect.png", 0.8, kDarkSensor);
+  EXPECT_NEAR(dark_grey(design.sensor), 0.11, 1e-12);
+  EXPECT_NEAR(design.expose_to, 0.11 + 0.8 * (0.9 - 0.11), 1e-12);
+}
+
+// Metal of another roughness is darker or brighter at one exposure, which is what was found:
+// brought to a level it would be as bright as before.
+TEST_F(RefinedExposure, OfADesignOfOtherMetalIsAnExposure) {
+  const double level = 0.9;  // of the design's brightest per cent, nearly that of all its pixels
+  for (const std::string& sensor : {std::string(), std::string(kDarkSensor)}) {
+    const SceneSettings scene = refined("aspect.png", 0.8, sensor, 0.05);
+    EXPECT_EQ(scene.expose_to, 0.0);
+    const double grey = 0.5 * scene.sensor.exposure * scene.sensor.gain;
+    EXPECT_NEAR(grey, 0.8 * (level - dark_grey(scene.sensor)), 0.1);
+  }
 }
 
 /// A view of the plate from one side, whose edges say that the lens is one pixel longer.

@@ -93,23 +93,54 @@ TEST(FitRoughness, FindsItInAWiderPictureByThreePicturesAtMost) {
   expect_found(700);
 }
 
+/// The same plate before a sensor with so much of a dark signal.
+SceneSettings dark_plate(int width_px, double roughness, double dark_grey) {
+  SceneSettings scene = metal_plate(width_px, roughness);
+  scene.sensor.full_well_e = 20000.0;
+  scene.sensor.dark_e = dark_grey * scene.sensor.full_well_e;
+  return scene;
+}
+
 // A dark signal of 0.05 of full scale is in the photograph and no light: taken for light it would
 // make the gain too large.
 TEST(FitRoughness, KnowsTheSensorsDarkSignal) {
   ThreadPool pool(2);
-  const auto dark_plate = [](double roughness) {
-    SceneSettings scene = metal_plate(300, roughness);
-    scene.sensor.full_well_e = 20000.0;
-    scene.sensor.dark_e = 1000.0;
-    return scene;
-  };
   ComparedPair pair;
-  pair.real.grey = photographed(dark_plate(0.30), pool, 1.0);
+  pair.real.grey = photographed(dark_plate(300, 0.30, 0.05), pool, 1.0);
   SceneStore store(pool);
-  const auto fit = fit_roughness(pair, dark_plate(0.25), store);
+  const auto fit = fit_roughness(pair, dark_plate(300, 0.25, 0.05), store);
   ASSERT_TRUE(fit);
   EXPECT_NEAR(fit->change, 0.05, std::max(0.004, 4.0 * fit->sigma));
   EXPECT_NEAR(fit->gain, 1.0, 0.01);
+}
+
+// Less light leaves the dark signal as it is: where it were taken to fade with it, a quarter of
+// full scale would be 0.05 too dark.
+TEST(FitRoughness, OfTheSameMetalUnderLessLightIsNoneBesideALargeDarkSignal) {
+  ThreadPool pool(2);
+  ComparedPair pair;
+  pair.real.grey = photographed(dark_plate(160, 0.25, 0.25), pool, 0.8);
+  SceneStore store(pool);
+  const auto fit = fit_roughness(pair, dark_plate(160, 0.25, 0.25), store);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->change, 0.0, 4.0 * fit->sigma);
+  EXPECT_NEAR(fit->gain, 0.8, std::max(0.002, 4.0 * fit->gain_sigma));
+}
+
+// A dark level that the scene does not have, where the pair's exposures may differ by an offset.
+TEST(FitRoughness, AllowsAnOffsetWhereTheExposureMayHaveOne) {
+  ThreadPool pool(2);
+  ComparedPair pair;
+  pair.real.grey = photographed(metal_plate(160, 0.30), pool, 0.8);
+  for (float& grey : pair.real.grey.values()) {
+    grey += 0.1F;
+  }
+  pair.appearance.exposure.offset = 0.1;
+  SceneStore store(pool);
+  const auto fit = fit_roughness(pair, metal_plate(160, 0.25), store);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->change, 0.05, std::max(0.004, 4.0 * fit->sigma));
+  EXPECT_NEAR(fit->gain, 0.8, std::max(0.002, 4.0 * fit->gain_sigma));
 }
 
 TEST(FitRoughness, HasNoAnswerForAMirrorOrForAPictureOfAnotherSize) {

@@ -4,10 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 #include <variant>
 
+#include <fmt/format.h>
+
 #include "core/text.h"
+#include "core/units.h"
 
 namespace glint {
 namespace {
@@ -17,6 +21,7 @@ using Eigen::Vector3d;
 
 constexpr double kInPlane = 0.02;    ///< sine of the largest angle to the plane
 constexpr double kSame_mm = 1e-3;    ///< dimensions that differ by less are one
+constexpr double kLevel_deg = 0.05;  ///< sides at less are level, or upright
 constexpr std::size_t kMinLeds = 3;  ///< that tell the circle they stand on
 constexpr double kDiscShare = 1e-6;  ///< inner radius of a disc, of its outer one
 
@@ -33,6 +38,9 @@ struct LightShapes {
   std::vector<Vector3d> leds_mm;       ///< middles of discs
   std::vector<RectangleShape> pieces;  ///< of a bar
   Eigen::AlignedBox3d box_mm;
+  std::optional<Vector3d> rim_mm;  ///< middle of a dome's rim, from where its height is told
+
+  Vector3d place_mm() const { return rim_mm ? *rim_mm : Vector3d(box_mm.center()); }
 };
 
 void add(const RingShape& ring, LightShapes& shapes) {
@@ -51,6 +59,8 @@ void add(const RingShape& ring, LightShapes& shapes) {
 }
 
 void add(const CapShape& cap, LightShapes& shapes) {
+  shapes.rim_mm =
+      cap.frame.origin_mm + cap.radius_mm * std::cos(cap.rim_rad) * Vector3d(cap.frame.z);
   for (const double angle : {std::min(cap.rim_rad, 0.5 * kPi), cap.top_rad}) {
     shapes.circles.push_back(
         {.centre_mm = cap.frame.origin_mm + cap.radius_mm * std::cos(angle) * cap.frame.z,
@@ -80,6 +90,11 @@ void add_led_circle(LightShapes& shapes) {
     shapes.circles.push_back(
         {.centre_mm = centre, .axis = axis.normalized(), .radius_mm = (leds[0] - centre).norm()});
   }
+}
+
+/// "y -178.6 mm"
+std::string coordinate_text(const std::string& axis, double place_mm) {
+  return fmt::format("{} {}{}", axis, place_mm < 0.0 ? "-" : "", length_text(std::abs(place_mm)));
 }
 
 class Dimensions {
@@ -113,8 +128,21 @@ class Dimensions {
       low = std::min(low, at - half);
       high = std::max(high, at + half);
     }
-    add_between(
-        frame.origin_mm + low * along, frame.origin_mm + high * along, length_text(high - low));
+    add_between(frame.origin_mm + low * along,
+                frame.origin_mm + high * along,
+                length_text(high - low) + inclination(along));
+  }
+
+  /// How far a light stands aside of the origin.
+  void add_aside(const Vector3d& middle_mm) {
+    const Vector2d middle = plane_(middle_mm);
+    const Vector2d below_origin(0.0, middle.y());
+    if (std::abs(middle.x()) > kSame_mm) {
+      const bool is_left = middle.x() < 0.0;
+      add(is_left ? middle : below_origin,
+          is_left ? below_origin : middle,
+          coordinate_text(plane_.across_name, middle.x()));
+    }
   }
 
   /// From the level of the origin up to a light.
@@ -123,13 +151,21 @@ class Dimensions {
     const Vector2d level(middle.x(), 0.0);
     if (std::abs(middle.y()) > kSame_mm) {
       const bool is_below = middle.y() < 0.0;
-      add(is_below ? middle : level, is_below ? level : middle, "z " + length_text(middle.y()));
+      add(is_below ? middle : level, is_below ? level : middle, coordinate_text("z", middle.y()));
     }
   }
 
   std::vector<PlaneDimension> take() { return std::move(list_); }
 
  private:
+  /// " at 45 deg", of a side that is neither level nor upright in the plane.
+  std::string inclination(const Vector3d& along) const {
+    const Vector2d side = plane_(plane_.origin_mm + along) - plane_(plane_.origin_mm);
+    const double angle_deg = std::atan2(std::abs(side.y()), std::abs(side.x())) * kDegPerRad;
+    const bool is_oblique = angle_deg > kLevel_deg && angle_deg < 90.0 - kLevel_deg;
+    return is_oblique ? fmt::format(" at {:.3g}\u00b0", angle_deg) : std::string();
+  }
+
   void add_between(const Vector3d& a_mm, const Vector3d& b_mm, std::string words) {
     Vector2d a = plane_(a_mm);
     Vector2d b = plane_(b_mm);
@@ -184,7 +220,8 @@ std::vector<PlaneDimension> light_dimensions(const PhysicalScene& scene,
       dimensions.add_side(shapes.pieces, false);
     }
     if (is_bar || !shapes.circles.empty()) {
-      dimensions.add_height(shapes.box_mm.center());
+      dimensions.add_aside(shapes.place_mm());
+      dimensions.add_height(shapes.place_mm());
     }
   }
   return dimensions.take();

@@ -17,8 +17,9 @@ struct PlaneDimension {
 
 /// The sizes that a workshop needs of the lights in the plane, each once: diameters of rings (of
 /// their edges as they are tilted), of the circles their LEDs stand on, of the rims and openings of
-/// domes; length and width of bars; how high above the origin each light's middle is. Circles whose
-/// axis is not in the plane, and sides that are seen at an angle, have none.
+/// domes; length and width of bars, with their angle to the level; how far aside of the origin and
+/// how high above it each light's middle is, of domes the middle of their rim. Circles whose axis
+/// is not in the plane, and sides that are seen at an angle, have none.
 std::vector<PlaneDimension> light_dimensions(const PhysicalScene& scene, const DrawingPlane& plane);
 
 }  // namespace glint

@@ -136,7 +136,23 @@ TEST(LightDimensions, OfADomeAreRimAndOpening) {
   dome.radius_mm = 50.0;
   dome.opening_mm = 60.0;
   EXPECT_THAT(words_of(DrawnScene(lit_plate({{.name = "dome", .settings = dome}}))),
-              ::testing::IsSupersetOf({"\u00d8 100 mm", "\u00d8 60 mm"}));
+              ::testing::ElementsAre("\u00d8 100 mm", "\u00d8 60 mm"))
+      << "its rim lies level with the origin";
+  dome.placement.position_mm = {0.0, 0.0, 25.0};
+  EXPECT_THAT(words_of(DrawnScene(lit_plate({{.name = "dome", .settings = dome}}))),
+              ::testing::Contains("z 25 mm"))
+      << "the height of its rim, not that of the middle between rim and opening";
+}
+
+// It faces the origin from 120 mm aside and 160 mm up: its width leans by atan(120 / 160).
+TEST(LightDimensions, OfABarThatStandsAsideTellPlaceAndAngle) {
+  BarSettings bar;
+  bar.length_mm = 90.0;
+  bar.width_mm = 15.0;
+  bar.placement.position_mm = {0.0, -120.0, 160.0};
+  bar.placement.direction = {0.0, 120.0, -160.0};
+  EXPECT_THAT(words_of(DrawnScene(lit_plate({{.name = "bar", .settings = bar}}))),
+              ::testing::ElementsAre("15 mm at 36.9\u00b0", "y -120 mm", "z 160 mm"));
 }
 
 // A bar along y, 80 mm aside: the drawing across x shows its width; one across y its length.

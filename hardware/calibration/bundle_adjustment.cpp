@@ -7,9 +7,17 @@
 #include <vector>
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 namespace glint {
 namespace {
+
+/// Ceres tells of steps that fail through glog, to stderr and whatever logging_type is; we try
+/// others and tell what comes of it. @return true
+bool silence_glog() {
+  FLAGS_minloglevel = google::GLOG_FATAL;
+  return true;
+}
 
 /// The corners of one picture. Blocks: intrinsics, hand-eye, board, error of the robot.
 class ViewCost final : public ceres::CostFunction {
@@ -186,7 +194,7 @@ void take_solution(const Unknowns& unknowns, Bundle& bundle) {
 }  // namespace
 
 AdjustmentSummary adjust_bundle(Bundle& bundle) {
-  // The solver would write to stderr.
+  [[maybe_unused]] static const bool is_silent = silence_glog();
   if (!std::ranges::all_of(bundle.views, [&](const BundleView& view) {
         return std::isfinite(rms_px(bundle, view));
       })) {

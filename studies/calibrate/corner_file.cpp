@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -164,6 +166,26 @@ bool has_corner(const Board& board, const Eigen::Vector3d& at_mm) {
   return false;
 }
 
+/// A row of kColumns. Numbers are written as such: csv_row_of() would take their text for a formula
+/// where it begins with a minus.
+/// @param numbers  from board_x_mm on; those that are missing stay empty
+/// @param words    from used on, as a spreadsheet may have them
+std::string corner_row(const CalibrateInput& input,
+                       std::size_t picture,
+                       std::span<const double> numbers,
+                       std::initializer_list<std::string> words) {
+  constexpr std::size_t kNumbers = 6;
+  std::vector<std::string> fields = {csv_plain_text(input.names[picture]),
+                                     std::to_string(input.width_px),
+                                     std::to_string(input.height_px)};
+  for (const double number : numbers) {
+    fields.push_back(shortest(number));
+  }
+  fields.resize(fields.size() + kNumbers - numbers.size());
+  fields.insert(fields.end(), words);
+  return csv_row(fields);
+}
+
 }  // namespace
 
 std::string corners_csv(const CalibrateInput& input,
@@ -174,35 +196,21 @@ std::string corners_csv(const CalibrateInput& input,
     const BoardCorners& corners = input.corners[i];
     const char* used = is_used(solved, i) ? "yes" : "no";
     const std::string reason = reason_of(input, solved, i);
+    const auto row = [&](const std::vector<double>& numbers, const char* orientation) {
+      return corner_row(input, i, numbers, {used, csv_plain_text(reason), orientation});
+    };
     if (corners.picture_px.empty()) {
-      text += csv_row_of(input.names[i],
-                         input.width_px,
-                         input.height_px,
-                         "",
-                         "",
-                         "",
-                         "",
-                         "",
-                         "",
-                         used,
-                         reason,
-                         "");
+      text += row({}, "");
     }
     const char* orientation = input.views[i].is_orientation_known ? "known" : "unknown";
     for (std::size_t k = 0; k < corners.picture_px.size(); ++k) {
-      const bool is_known = !residuals_px[i].empty();
-      text += csv_row_of(input.names[i],
-                         input.width_px,
-                         input.height_px,
-                         corners.board_mm[k].x(),
-                         corners.board_mm[k].y(),
-                         corners.picture_px[k].x(),
-                         corners.picture_px[k].y(),
-                         is_known ? shortest(residuals_px[i][k].x()) : std::string(),
-                         is_known ? shortest(residuals_px[i][k].y()) : std::string(),
-                         used,
-                         reason,
-                         orientation);
+      const Eigen::Vector3d& board_mm = corners.board_mm[k];
+      const Eigen::Vector2d& px = corners.picture_px[k];
+      std::vector<double> numbers = {board_mm.x(), board_mm.y(), px.x(), px.y()};
+      if (!residuals_px[i].empty()) {
+        numbers.insert(numbers.end(), {residuals_px[i][k].x(), residuals_px[i][k].y()});
+      }
+      text += row(numbers, orientation);
     }
   }
   return text;

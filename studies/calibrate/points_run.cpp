@@ -138,11 +138,12 @@ std::string points_csv(const Json& pictures) {
       const auto number = [&](std::size_t i) {
         return pixel.is_null() ? std::string() : shortest(pixel[i].get<double>());
       };
-      text += csv_row_of(picture["file"].get<std::string>(),
-                         point["name"].get<std::string>(),
-                         number(0),
-                         number(1),
-                         point["is_in_picture"].get<bool>() ? "yes" : "no");
+      // Not csv_row_of(), which would take the text of a number below 0 for a formula.
+      text += csv_row(std::vector<std::string>{csv_plain_text(picture["file"].get<std::string>()),
+                                               csv_plain_text(point["name"].get<std::string>()),
+                                               number(0),
+                                               number(1),
+                                               point["is_in_picture"].get<bool>() ? "yes" : "no"});
     }
   }
   return text;

@@ -87,6 +87,8 @@ TEST_F(CalibrateOutput, CornersFileHoldsAllThatTheResultNeeds) {
     square += std::pow(*rows[i][7].number(), 2) + std::pow(*rows[i][8].number(), 2);
   }
   EXPECT_NEAR(std::sqrt(square / 702.0), result["rms_px"].get<double>(), 1e-6);
+  // Residuals below 0 are no formulas for spreadsheets.
+  EXPECT_EQ(read_file(folder_ / "out/corners.csv").find('\''), std::string::npos);
 
   const Json again =
       result_of({"calibrate", "--from", "out/corners.csv", "--board", board_, "--out", "again"});
@@ -394,13 +396,15 @@ TEST_F(CalibrateOutput, PlanForARobotIsInItsBaseAndPointsFallWhereTheBoardIs) {
     return Eigen::Vector3d(at(key, 0), at(key, 1), at(key, 2));
   };
   const Eigen::Vector3d turn = vector("rotation_vector_rad");
-  const Eigen::Vector3d axis =
-      Eigen::AngleAxisd(turn.norm(), turn.normalized()) * Eigen::Vector3d(0, 0, 500);
+  const Eigen::AngleAxisd rotation(turn.norm(), turn.normalized());
+  const Eigen::Vector3d axis = rotation * Eigen::Vector3d(0, 0, 500);
   const Eigen::Vector3d point = vector("translation_mm") + axis;
   const Eigen::Vector3d behind = vector("translation_mm") - axis;
+  const Eigen::Vector3d left = vector("translation_mm") + rotation * Eigen::Vector3d(-600, 0, 500);
   write_file(folder_ / "points.csv",
              "name,x_mm,y_mm,z_mm\n" + csv_row_of("axis", point.x(), point.y(), point.z()) +
-                 csv_row_of("behind", behind.x(), behind.y(), behind.z()));
+                 csv_row_of("behind", behind.x(), behind.y(), behind.z()) +
+                 csv_row_of("left", left.x(), left.y(), left.z()));
   const Json drawn = result_of({"calibrate",
                                 pictures[0],
                                 pictures[1],
@@ -419,7 +423,10 @@ TEST_F(CalibrateOutput, PlanForARobotIsInItsBaseAndPointsFallWhereTheBoardIs) {
     }
     EXPECT_EQ(picture["points"][0]["is_in_picture"], true);
     EXPECT_EQ(picture["points"][1]["is_in_picture"], false);
+    EXPECT_LT(picture["points"][2]["pixel_px"][0].get<double>(), 0.0);
   }
+  // Pixels left of the picture are no formulas for spreadsheets.
+  EXPECT_EQ(read_file(folder_ / "drawn/points.csv").find('\''), std::string::npos);
   EXPECT_TRUE(fs::exists(folder_ / "drawn/img00.png"));
 }
 

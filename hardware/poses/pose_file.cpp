@@ -230,6 +230,10 @@ void check_doubled(std::span<const WrittenPose> poses) {
 }  // namespace
 
 PoseFile parse_pose_file(std::string_view text, const std::string& file, std::string_view ending) {
+  if (const std::size_t zero = text.find('\0'); zero != text.npos) {
+    throw ConfigError(fmt::format(
+        "{}: is no text in UTF-8: byte {} is 0, as every other one is in UTF-16", file, zero + 1));
+  }
   const std::string name = fs::path(file).stem().string();
   if (ending == ".csv") {
     return parse_pose_table(text, file);

@@ -2,6 +2,7 @@
 #include "hardware/poses/pose_table.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <utility>
@@ -215,11 +216,52 @@ bool is_among(const std::string& word, const std::array<std::string_view, N>& wo
   return std::ranges::find(words, word) != words.end();
 }
 
+/// Whether it is a number but for the comma in place of the point.
+bool has_decimal_comma(const CsvField& field) {
+  CsvField other = field;
+  std::ranges::replace(other.text, ',', '.');
+  return !field.number() && other.number();
+}
+
 /// A line of nothing but words is a head.
 bool is_head(const CsvRow& row) {
   return row.size() > 1 && std::ranges::none_of(row, [](const CsvField& field) {
-           return field.number().has_value();
+           return field.number().has_value() || has_decimal_comma(field);
          });
+}
+
+/// What else than commas may stand between columns, by its name; nullptr: nothing.
+const char* other_separator(const CsvRow& row) {
+  constexpr std::ptrdiff_t kMinSeparators = 5;  // of six numbers
+  const std::string& first = row.front().text;
+  const auto is_list = [](const CsvField& field) {
+    return field.text.find(';') != std::string::npos;
+  };
+  // With decimal commas its lines fall apart elsewhere.
+  if (std::any_of(row.begin() + 1, row.end(), is_list) ||
+      std::ranges::count(first, ';') >= kMinSeparators) {
+    return "semicolons";
+  }
+  if (row.size() == 1 && std::ranges::count(first, '\t') >= kMinSeparators) {
+    return "tabs";
+  }
+  return row.size() == 1 && std::ranges::count(first, ' ') >= kMinSeparators ? "blanks" : nullptr;
+}
+
+void check_dialect(std::string_view text, const CsvRow& first) {
+  const std::size_t end = text.find('\r');
+  if (text.find('\n') == text.npos && end < text.size() - 1) {
+    refuse_key(first.front().place,
+               "pose",
+               "lines end with a carriage return alone, must end with a line feed");
+  }
+  if (const char* separator = other_separator(first)) {
+    refuse_key(first.front().place,
+               "pose",
+               fmt::format("columns are separated by {}, must be by commas, and numbers have a "
+                           "point, like 12.5",
+                           separator));
+  }
 }
 
 Columns head_columns(const CsvRow& head, PoseConvention& convention) {
@@ -267,7 +309,11 @@ Columns plain_columns(const std::vector<CsvRow>& rows) {
 double number_in(const CsvField& field) {
   const std::optional<double> number = field.number();
   if (!number) {
-    refuse_key(field.place, "pose", fmt::format("'{}' is no number", field.text));
+    refuse_key(field.place,
+               "pose",
+               fmt::format("'{}' is no number{}",
+                           field.text,
+                           has_decimal_comma(field) ? ", its comma must be a point" : ""));
   }
   return *number;
 }
@@ -302,6 +348,7 @@ PoseFile parse_pose_table(std::string_view text, const std::string& file) {
   if (rows.empty()) {
     return poses;
   }
+  check_dialect(text, rows.front());
   Columns columns;
   if (is_head(rows.front())) {
     columns = head_columns(rows.front(), poses.convention);

@@ -229,6 +229,25 @@ TEST(PoseFile, TellsWhereSomethingIsWrong) {
   EXPECT_THAT(file_error("x", ".txt"), HasSubstr("must end in .csv"));
 }
 
+/// What spreadsheets of other countries and systems write.
+TEST(PoseFile, TellsWhatATableIsThatHasNoCommasBetweenItsColumns) {
+  const char* semicolons =
+      "robot_1.csv:1:1: pose: columns are separated by semicolons, must be by commas, and numbers "
+      "have a point";
+  EXPECT_THAT(file_error("name;x;y;z;rx;ry;rz\na;1;2;3;0;0;0\n", ".csv"), HasSubstr(semicolons));
+  EXPECT_THAT(file_error("a;1,5;2,5;3;0;0;0,1\n", ".csv"), HasSubstr(semicolons));
+  EXPECT_THAT(file_error("a\t1\t2\t3\t0\t0\t0\n", ".csv"), HasSubstr("are separated by tabs"));
+  EXPECT_THAT(file_error("a 1 2 3 0 0 0\n", ".csv"), HasSubstr("are separated by blanks"));
+  EXPECT_THAT(file_error("a,\"1,5\",2,3,0,0,0\n", ".csv"),
+              HasSubstr("robot_1.csv:1:3: pose: '1,5' is no number, its comma must be a point"));
+  EXPECT_THAT(file_error("a,1,2,3,0,0,0\rb,1,2,4,0,0,0\r", ".csv"),
+              HasSubstr("lines end with a carriage return alone"));
+  const std::string utf16("a\0,\0001\0", 6);
+  for (const char* ending : {".csv", ".yaml"}) {
+    EXPECT_THAT(file_error(utf16, ending), HasSubstr("is no text in UTF-8: byte 2 is 0"));
+  }
+}
+
 TEST(PoseFile, ReadsThePosesOfTheBoardOnARobot) {
   const fs::path file = fs::path(GLINT_SHARED_DIR) / "data/calibration/board_on_robot/poses.csv";
   if (!fs::exists(file)) {

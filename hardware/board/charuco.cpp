@@ -30,12 +30,19 @@ cv::Ptr<cv::aruco::Dictionary> dictionary_of(const Board& board) {
   return cv::aruco::getPredefinedDictionary(kNames[static_cast<std::size_t>(board.dictionary)]);
 }
 
+/// The colour of the first square. White ones have markers.
+enum class FirstSquare { kDark, kWhite };
+
+bool is_white(const Eigen::Vector2i& square, FirstSquare first) {
+  return ((square.x() + square.y()) % 2 == 0) == (first == FirstSquare::kWhite);
+}
+
 /// Squares with markers in the order of their numbers.
-std::vector<Eigen::Vector2i> marker_squares(const Board& board) {
+std::vector<Eigen::Vector2i> marker_squares(const Board& board, FirstSquare first) {
   std::vector<Eigen::Vector2i> squares;
   for (int row = 0; row <= board.rows; ++row) {
     for (int col = 0; col <= board.cols; ++col) {
-      if ((row + col) % 2 != 0) {
+      if (is_white({col, row}, first)) {
         squares.emplace_back(col, row);
       }
     }
@@ -43,8 +50,15 @@ std::vector<Eigen::Vector2i> marker_squares(const Board& board) {
   return squares;
 }
 
+/// Markers of the dictionary as OpenCV finds them.
+struct FoundMarkers {
+  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<int> ids;
+};
+
 /// Corners of markers, in squares counted from the first inner corner, and where they appear.
 struct MarkersSeen {
+  FirstSquare first = FirstSquare::kDark;
   std::vector<Eigen::Vector2d> places;
   std::vector<Eigen::Vector2d> picture_px;
   std::vector<Eigen::Vector2i> squares;  ///< of each marker
@@ -60,33 +74,45 @@ cv::Mat bytes_of(const ImageF& picture) {
   return bytes;
 }
 
-MarkersSeen find_markers(const ImageF& picture, double factor, const Board& board) {
-  std::vector<std::vector<cv::Point2f>> corners;
-  std::vector<int> ids;
-  cv::aruco::detectMarkers(bytes_of(picture), dictionary_of(board), corners, ids);
-  const std::vector<Eigen::Vector2i> squares = marker_squares(board);
+FoundMarkers find_markers(const ImageF& picture, const Board& board) {
+  FoundMarkers found;
+  cv::aruco::detectMarkers(bytes_of(picture), dictionary_of(board), found.corners, found.ids);
+  return found;
+}
+
+/// Where the markers are on the board. @param factor  picture's pixels in one of the level
+MarkersSeen placed(const FoundMarkers& found,
+                   double factor,
+                   const Board& board,
+                   FirstSquare first) {
+  const std::vector<Eigen::Vector2i> squares = marker_squares(board, first);
   const double half = 0.5 * marker_side_mm(board) / board.square_mm;
   // Clockwise from the top left, seen from the front.
   const std::array<Eigen::Vector2d, 4> offsets = {Eigen::Vector2d(-half, -half),
                                                   Eigen::Vector2d(half, -half),
                                                   Eigen::Vector2d(half, half),
                                                   Eigen::Vector2d(-half, half)};
-  MarkersSeen seen;
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (static_cast<std::size_t>(ids[i]) >= squares.size()) {
+  MarkersSeen seen{.first = first};
+  for (std::size_t i = 0; i < found.ids.size(); ++i) {
+    if (static_cast<std::size_t>(found.ids[i]) >= squares.size()) {
       continue;
     }
-    const Eigen::Vector2i& square = squares[static_cast<std::size_t>(ids[i])];
+    const Eigen::Vector2i& square = squares[static_cast<std::size_t>(found.ids[i])];
     seen.squares.push_back(square);
     const Eigen::Vector2d center = square.cast<double>() - Eigen::Vector2d(0.5, 0.5);
     for (std::size_t k = 0; k < 4; ++k) {
       seen.places.emplace_back(center + offsets[k]);
-      const cv::Point2f& at = corners[i][k];  // OpenCV counts from the first pixel's centre
+      const cv::Point2f& at = found.corners[i][k];  // OpenCV counts from the first pixel's centre
       seen.picture_px.emplace_back(factor *
                                    (Eigen::Vector2d(at.x, at.y) + Eigen::Vector2d(0.5, 0.5)));
     }
   }
   return seen;
+}
+
+/// OpenCV before 4.6 began with a white square where the rows of squares are even in number.
+bool may_begin_white(const Board& board) {
+  return board.rows % 2 == 1;
 }
 
 /// Corners of squares whose marker was seen: (col, row) on the board.
@@ -108,14 +134,14 @@ std::vector<Eigen::Vector2i> corners_beside(const MarkersSeen& seen, const Board
   return corners;
 }
 
-CornerGuess guess_at(const BoardPlane& plane, const Eigen::Vector2i& corner) {
+CornerGuess guess_at(const BoardPlane& plane, const Eigen::Vector2i& corner, FirstSquare first) {
   const Eigen::Vector2d place = corner.cast<double>();
   const Eigen::Vector2d x(0.5, 0.0);
   const Eigen::Vector2d y(0.0, 0.5);
   const Eigen::Vector2d along = plane(place + x) - plane(place - x);
   const Eigen::Vector2d down = plane(place + y) - plane(place - y);
   const double area = std::abs(along.x() * down.y() - along.y() * down.x());
-  const bool is_dark_before = (corner.x() + corner.y()) % 2 == 0;
+  const bool is_dark_before = !is_white(corner, first);
   return {.at_px = plane(place),
           .rising = is_dark_before ? down.normalized() : along.normalized(),
           .falling = is_dark_before ? Eigen::Vector2d(-along.normalized()) : down.normalized(),
@@ -151,7 +177,7 @@ BoardView measured(PictureLevels& levels, int level, const Board& board, const M
   const double free = std::sqrt(0.5) * (1.0 - marker_side_mm(board) / board.square_mm) / 0.42;
   for (const Eigen::Vector2i& corner :
        plane ? corners_beside(seen, board) : std::vector<Eigen::Vector2i>()) {
-    CornerGuess guess = guess_at(*plane, corner);
+    CornerGuess guess = guess_at(*plane, corner, seen.first);
     const double clearance = guess.clearance_px;
     guess.clearance_px *= std::min(1.0, free);
     const auto fit = fit_corner(levels, level, guess);
@@ -175,7 +201,7 @@ std::vector<CharucoMarker> charuco_markers(const Board& board) {
   const auto dictionary = dictionary_of(board);
   std::vector<CharucoMarker> markers;
   int id = 0;
-  for (const Eigen::Vector2i& square : marker_squares(board)) {
+  for (const Eigen::Vector2i& square : marker_squares(board, FirstSquare::kDark)) {
     CharucoMarker marker = {.id = id, .square = square, .side = dictionary->markerSize + 2};
     cv::Mat modules;
     cv::aruco::drawMarker(dictionary, id++, marker.side, modules, 1);
@@ -196,11 +222,17 @@ std::optional<BoardView> find_charuco(PictureLevels& levels, const Board& board)
   }
   std::optional<BoardView> best;
   for (; level >= 0; --level) {
-    const MarkersSeen seen = find_markers(levels.level(level), 1 << level, board);
+    const FoundMarkers found = find_markers(levels.level(level), board);
+    const MarkersSeen seen = placed(found, 1 << level, board, FirstSquare::kDark);
     if (seen.squares.empty()) {
       continue;
     }
     best = measured(levels, level, board, seen);
+    if (best->outcome == BoardOutcome::kNoBoard && may_begin_white(board)) {
+      BoardView older =
+          measured(levels, level, board, placed(found, 1 << level, board, FirstSquare::kWhite));
+      best = older.outcome == BoardOutcome::kNoBoard ? std::move(best) : std::move(older);
+    }
     if (best->outcome != BoardOutcome::kNoBoard) {
       return best;
     }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // ChArUco boards: their markers as they are printed, and found again in pictures. The layout is
-// that of OpenCV 4.6 and older: first square dark, markers in the white squares row by row.
+// that of OpenCV from 4.6 on: first square dark, markers in the white squares row by row. Boards
+// with an even number of rows of squares that begin with a white one, as OpenCV before 4.6 (its
+// legacy pattern) and makers of boards print them, are found, too.
 #pragma once
 
 #include <optional>

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "core/units.h"
+#include "hardware/board/charuco.h"
 #include "tests/hardware/board/board_scene.h"
 
 namespace glint {
@@ -197,6 +198,60 @@ TEST(FindBoard, FindsPartsOfACharucoBoard) {
   }
   scene.camera_from_board.translation().x() += 200.0;
   EXPECT_EQ(view_of(scene, 9).outcome, BoardOutcome::kNoBoard);
+}
+
+/// Squares of 20 px seen from the front, the first corner at (60, 60).
+/// @param first  0: the first square is dark, 1: it is white
+Image<std::uint8_t> printed_charuco(const Board& board, int first) {
+  constexpr int kSquare = 20;
+  Image<std::uint8_t> picture(
+      kSquare * (board.cols + 5), kSquare * (board.rows + 5), std::uint8_t{230});
+  const auto fill = [&](int x0, int y0, int side, std::uint8_t grey) {
+    for (int y = y0; y < y0 + side; ++y) {
+      std::fill_n(picture.row(y) + x0, side, grey);
+    }
+  };
+  const std::vector<CharucoMarker> markers = charuco_markers(board);
+  std::size_t next = 0;
+  for (int row = 0; row <= board.rows; ++row) {
+    for (int col = 0; col <= board.cols; ++col) {
+      const int x0 = kSquare * (col + 2);
+      const int y0 = kSquare * (row + 2);
+      if ((row + col) % 2 == first) {
+        fill(x0, y0, kSquare, 20);
+        continue;
+      }
+      const CharucoMarker& marker = markers[next++];
+      for (std::size_t i = 0; i < marker.is_dark.size(); ++i) {
+        const auto side = static_cast<std::size_t>(marker.side);
+        fill(x0 + 4 + 2 * static_cast<int>(i % side),
+             y0 + 4 + 2 * static_cast<int>(i / side),
+             2,
+             marker.is_dark[i] ? 20 : 230);
+      }
+    }
+  }
+  return picture;
+}
+
+TEST(FindBoard, FindsCharucoBoardsThatBeginWithAWhiteSquare) {
+  // 6 x 6 squares, markers of 6 modules of 2 px.
+  const Board even = {
+      .kind = BoardKind::kCharuco, .cols = 5, .rows = 5, .square_mm = 10.0, .marker_mm = 6.0};
+  for (const int first : {0, 1}) {
+    const BoardView view = find_board(printed_charuco(even, first), even);
+    ASSERT_TRUE(view.is_accepted()) << first << ' ' << view.why;
+    ASSERT_EQ(view.picture_px.size(), 25U) << first;
+    for (std::size_t i = 0; i < view.picture_px.size(); ++i) {
+      const Eigen::Vector2d truth = 2.0 * view.board_mm[i].head<2>() + Eigen::Vector2d(60.0, 60.0);
+      EXPECT_LT((view.picture_px[i] - truth).norm(), 0.05) << first << ' ' << i;
+    }
+  }
+  // Nobody printed boards of odd numbers of rows so.
+  Board odd = even;
+  odd.rows = 4;
+  EXPECT_TRUE(find_board(printed_charuco(odd, 0), odd).is_accepted());
+  EXPECT_FALSE(find_board(printed_charuco(odd, 1), odd).is_accepted());
 }
 
 }  // namespace

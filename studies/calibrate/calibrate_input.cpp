@@ -10,6 +10,7 @@
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
+#include "hardware/board/board_files.h"
 #include "hardware/poses/pose_pairing.h"
 #include "hardware/poses/pose_reading.h"
 #include "studies/calibrate/corner_file.h"
@@ -195,45 +196,11 @@ void read_robot(const CalibrateOptions& options, CalibrateInput& input) {
   input.notes.push_back(std::move(pairing.told));
 }
 
-/// One picture's size and board.
-struct SeenPicture {
-  int width_px = 0;
-  int height_px = 0;
-  BoardView view;
-  std::string shown;
-};
-
 /// Small and as bright as it can be: the report's contact sheet.
 std::string small_picture(const Pixels& pixels, int width_px) {
   const ImageF values = linear_values(pixels);
   const float brightest = std::ranges::max(values.values());
   return report_png(stretched(values, 0.0F, brightest), width_px);
-}
-
-SeenPicture seen_picture(const fs::path& file, const Board& board, int shown_width_px) {
-  const Picture picture = read_picture(file);
-  return {.width_px = picture.width(),
-          .height_px = picture.height(),
-          .view = find_board(picture.pixels, board),
-          .shown = small_picture(picture.pixels, shown_width_px)};
-}
-
-void take_size(CalibrateInput& input, const std::vector<SeenPicture>& seen) {
-  input.width_px = seen.front().width_px;
-  input.height_px = seen.front().height_px;
-  for (std::size_t i = 1; i < seen.size(); ++i) {
-    if (seen[i].width_px != input.width_px || seen[i].height_px != input.height_px) {
-      throw ConfigError(
-          fmt::format("{}: has {} x {} pixels, {} has {} x {}; pictures of one camera "
-                      "have one size",
-                      input.names[i],
-                      seen[i].width_px,
-                      seen[i].height_px,
-                      input.names.front(),
-                      input.width_px,
-                      input.height_px));
-    }
-  }
 }
 
 void check_camera_size(const CalibrateOptions& options, const CalibrateInput& input) {
@@ -264,16 +231,21 @@ void check_any_board(const CalibrateInput& input) {
                                 input.views.front().why));
 }
 
-void find_boards(const CalibrateOptions& options, CalibrateInput& input, ThreadPool& pool) {
-  const auto count = static_cast<std::int64_t>(options.pictures.size());
-  const int shown_width_px = count <= kFewPictures ? 640 : 420;
-  std::vector<SeenPicture> seen = pool.map<SeenPicture>(count, [&](std::int64_t i) {
-    return seen_picture(options.pictures[static_cast<std::size_t>(i)], input.board, shown_width_px);
-  });
-  take_size(input, seen);
-  for (SeenPicture& picture : seen) {
-    input.views.push_back(std::move(picture.view));
-    input.shown.push_back(std::move(picture.shown));
+void look_for_boards(const CalibrateOptions& options, CalibrateInput& input, ThreadPool& pool) {
+  const int shown_width_px = std::ssize(options.pictures) <= kFewPictures ? 640 : 420;
+  input.shown.resize(options.pictures.size());
+  BoardsInFiles found =
+      find_boards(options.pictures, input.board, pool, [&](std::size_t i, const Picture& picture) {
+        input.shown[i] = small_picture(picture.pixels, shown_width_px);
+      });
+  input.width_px = found.width_px;
+  input.height_px = found.height_px;
+  input.views = std::move(found.views);
+  if (found.code_bits != 0) {
+    input.notes.push_back(
+        fmt::format("the pictures have codes of {} bits in files of 16: guessed, the largest is {}",
+                    found.code_bits,
+                    found.largest_code));
   }
 }
 
@@ -430,7 +402,7 @@ CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool&
     read_robot(options, input);
   }
   if (options.from.empty()) {
-    find_boards(options, input, pool);
+    look_for_boards(options, input, pool);
     check_size_of_board(options, input);
   } else {
     check_corners(found, input.board, options.from.string());

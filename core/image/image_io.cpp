@@ -16,7 +16,6 @@
 #include <fmt/format.h>
 
 #include "core/file.h"
-#include "core/image/picture_orientation.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -309,10 +308,6 @@ Picture read_picture(const fs::path& path) {
   }
   picture.has_more = input->seek_subimage(1, 0);
   return picture;
-}
-
-int picture_orientation(const fs::path& path) {
-  return std::clamp(open_picture(path)->spec().get_int_attribute("Orientation", 1), 1, 8);
 }
 
 ImageF linear_values(const Pixels& pixels) {

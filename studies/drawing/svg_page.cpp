@@ -153,7 +153,12 @@ void SvgPage::dimension(const Vector2d& a,
   const bool is_upright = std::abs(along.y()) > std::abs(along.x());
   const double room = kWidthPerLetter * static_cast<double>(words.size()) + 4.0;
   if (length < room && !is_upright) {
-    text((p.x() > q.x() ? p : q) + Vector2d(is_short ? 18.0 : 6.0, 4.0), words, "start");
+    const double gap = is_short ? 18.0 : 6.0;
+    const auto [left, right] = p.x() > q.x() ? std::pair(q, p) : std::pair(p, q);
+    const bool has_room = right.x() + gap + room <= kDrawingWidth;
+    text(has_room ? Vector2d(right + Vector2d(gap, 4.0)) : Vector2d(left + Vector2d(-gap, 4.0)),
+         words,
+         has_room ? "start" : "end");
     return;
   }
   const double angle_deg = reading_angle_deg(along);

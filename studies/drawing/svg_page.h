@@ -60,7 +60,7 @@ class SvgPage {
 
   /// A dimension between two points: extension lines to a parallel `offset` to the left of a -> b,
   /// arrows (from outside where it is short), and the words on the line or, where they do not fit,
-  /// to the right of it.
+  /// to the right of it; to its left where the page ends.
   void dimension(const Eigen::Vector2d& a,
                  const Eigen::Vector2d& b,
                  double offset,

@@ -18,6 +18,7 @@ namespace {
 
 using Eigen::Vector2d;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// A plate 100 mm below the camera, which looks down.
 SceneSettings lit_plate(std::vector<NamedLight> lights) {
@@ -295,6 +296,17 @@ TEST(AreaLightsSvg, KeepsDimensionsOnThePageAndApart) {
     return values_of(before.substr(before.rfind("<text")), "x").at(0);
   };
   EXPECT_GT(std::abs(place("\u00d8 130 mm") - place("\u00d8 70 mm")), 8.0);
+}
+
+// Words that are too long for their line stand right of it, or left of it where the page ends.
+TEST(SvgPage, PutsWordsBesideALineWhereThePageHasRoom) {
+  const auto drawn = [](double x) {
+    SvgPage page;
+    page.dimension({x, 100.0}, {x + 20.0, 110.0}, 22.0, "60 mm at 45 deg");
+    return page.document(kDrawingWidth, 300.0, "", 1.0);
+  };
+  EXPECT_THAT(drawn(200.0), Not(HasSubstr("text-anchor=\"end\"")));
+  EXPECT_THAT(drawn(390.0), HasSubstr("text-anchor=\"end\""));
 }
 
 // At 100 % the sheet has a usual scale and fits between the margins of A4, 190 mm wide.

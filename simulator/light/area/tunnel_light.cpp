@@ -113,6 +113,47 @@ double filled_share(const Lights& lights, const StripedWall& wall, const Vector3
   return solid_angle_sr / (2.0 * kPi);
 }
 
+/// Adds a strip, or its halves where the radiance of dark stripes is not nearly linear along it.
+void add_linear(const Tunnel& tunnel, const WallStrip& strip, std::vector<WallStrip>& strips) {
+  constexpr double kLinear = 5e-4;  // of the radiance of bright stripes
+  constexpr double kShortest_mm = 0.01;
+  const Vector2d way = strip.to_mm - strip.from_mm;
+  const auto dark_at = [&](double t) { return tunnel.dark_at(strip.from_mm + t * way); };
+  const auto is_linear_at = [&](double t) {
+    return std::abs(dark_at(t) - (1.0 - t) * dark_at(0.0) - t * dark_at(1.0)) <= kLinear;
+  };
+  if (way.norm() < kShortest_mm ||
+      (is_linear_at(0.25) && is_linear_at(0.5) && is_linear_at(0.75))) {
+    strips.push_back(strip);
+    return;
+  }
+  const Vector2d middle_mm = strip.from_mm + 0.5 * way;
+  const double to_half_mm = 0.25 * way.norm();
+  add_linear(tunnel,
+             {.from_mm = strip.from_mm,
+              .to_mm = middle_mm,
+              .middle_arc_mm = strip.middle_arc_mm - to_half_mm},
+             strips);
+  add_linear(tunnel,
+             {.from_mm = middle_mm,
+              .to_mm = strip.to_mm,
+              .middle_arc_mm = strip.middle_arc_mm + to_half_mm},
+             strips);
+}
+
+/// The wall as strips along which the radiance of dark stripes is nearly linear.
+std::vector<WallStrip> strips_of(const Tunnel& tunnel) {
+  std::vector<WallStrip> strips = wall_outline(tunnel);
+  if (tunnel.dark().is_even()) {
+    return strips;
+  }
+  std::vector<WallStrip> linear;
+  for (const WallStrip& strip : strips) {
+    add_linear(tunnel, strip, linear);
+  }
+  return linear;
+}
+
 /// @return its power
 Eigen::Array3f add_wall(const TunnelLight& light, Lights& lights, StripedWall& wall) {
   Emitter emitter = {.exponent = light.settings.cosine_law ? 2.0 : 1.0,
@@ -120,7 +161,7 @@ Eigen::Array3f add_wall(const TunnelLight& light, Lights& lights, StripedWall& w
                      .is_solid = light.settings.blocks_view};
   const double middle_x_mm = 0.5 * (light.positions - 1) * light.step_mm;
   Eigen::Array3f power_w = Eigen::Array3f::Zero();
-  for (const WallStrip& strip : wall_outline(Tunnel(light.settings))) {
+  for (const WallStrip& strip : strips_of(Tunnel(light.settings))) {
     const RectangleShape shape = wall_rectangle(strip, middle_x_mm, 0.5 * light.settings.length_mm);
     emitter.shape = shape;
     lights.emitters.push_back(emitter);
@@ -154,7 +195,7 @@ void share_dark(const Tunnel& tunnel, StripedWall& wall) {
   const auto share_at = [&](const Vector2d& point) {
     return (tunnel.dark_at(point) - dark.lowest()) / (dark.highest() - dark.lowest());
   };
-  for (const WallStrip& strip : wall_outline(tunnel)) {
+  for (const WallStrip& strip : strips_of(tunnel)) {
     const double from = share_at(strip.from_mm);
     const double to = share_at(strip.to_mm);
     wall.second_share.push_back(0.5 * (from + to));

@@ -196,6 +196,43 @@ TEST(TunnelLight, PlacesGoToTheSecondSetAsOftenAsTheyAreBright) {
   }
 }
 
+// A panel's dark stripes are brightest between its ends: a straight line between these would be
+// wrong by the whole of it. Walls whose strips are short keep them.
+TEST(TunnelLight, DarkStripesOfEveryCrossSectionHaveTheRadianceOfTheirPlace) {
+  Rng rng(2, Stream::kTest, 9);
+  for (TunnelSettings settings : striped_tunnels()) {
+    const std::size_t strips = lights_under(settings, 1).emitters.size();
+    settings.orientation_rad = 0.0;
+    settings.dark_reflectance = 0.8;
+    const Lights lights = lights_under(settings, 4);
+    const StripedWall& wall = *lights.wall;
+    const Tunnel tunnel(settings);
+    const DarkRadiance& dark = tunnel.dark();
+    ASSERT_FALSE(wall.second_share.empty());
+    if (settings.shape == Shape::kFlat || settings.shape == Shape::kSemicylinder) {
+      EXPECT_EQ(lights.emitters.size() > strips, settings.shape == Shape::kFlat);
+    }
+    for (int i = 0; i < 500; ++i) {
+      const double angle_rad = rng.uniform(-1.5, 1.5);
+      const Ray ray = {.origin_mm = {0.0, rng.uniform(-20.0, 20.0), 5.0},
+                       .direction = {0.0, std::sin(angle_rad), std::cos(angle_rad)}};
+      const auto hit = hit_light(lights, ray);
+      if (!hit) {
+        continue;  // through the slot
+      }
+      const Vector3d point = ray.origin_mm + hit->distance_mm * ray.direction;
+      const auto emitter = static_cast<std::size_t>(hit->emitter - wall.first_emitter);
+      const double second =
+          wall.second_share[emitter] + wall.second_share_per_mm[emitter] *
+                                           wall.along[emitter].dot(point - wall.middle_mm[emitter]);
+      EXPECT_NEAR(dark.lowest() + second * (dark.highest() - dark.lowest()),
+                  tunnel.dark_at(point.tail<2>()),
+                  1e-3)
+          << shape_name(settings.shape) << " " << point.transpose();
+    }
+  }
+}
+
 /// What level 0 sees along a ray in one frame; the distance to the next edge of a stripe in
 /// periods.
 struct SeenStripe {

@@ -20,9 +20,9 @@ struct BoardsInFiles {
   int width_px = 0;
   int height_px = 0;
   std::vector<BoardView> views;  ///< of each file
-  int code_bits =
-      0;  ///< 10 or 12: of codes at the lower end of files of 16 bits; 0: all of a file's
-  int largest_code = 0;  ///< of them
+  /// 10 or 12: of codes at the lower end of files of 16 bits; 0: all of a file's.
+  int code_bits = 0;
+  int largest_code = 0;  ///< of all files
 };
 
 /// Codes of 10 or 12 bits in files of 16, up to the largest one of all files, are spread over the
@@ -30,8 +30,7 @@ struct BoardsInFiles {
 /// end are taken as they are.
 ///
 /// @param files  at least one
-/// @param use    called with each picture as its file has it, at least once and from several
-/// threads
+/// @param use    called with each picture as its file has it, once or twice, from several threads
 /// @throws ConfigError for what is no picture, or of another size than the first one; IoError
 BoardsInFiles find_boards(std::span<const std::filesystem::path> files,
                           const Board& board,

@@ -274,13 +274,19 @@ void AcquireJournal::keep(AcquiredPicture picture, const std::string& bytes) {
   const fs::path path = folder_ / picture.file;
   make_folder_durably(path.parent_path());
   picture.sha256 = sha256_hex(bytes);
-  write_synced(hidden(path), bytes);
-  sync_folder(path.parent_path());
-  Statement(rows_->database, "INSERT INTO picture(session, file, object) VALUES (?, ?, ?)")
-      .bind(rows_->session)
-      .bind(picture.file)
-      .bind(picture_json(picture).dump())
-      .run();
+  try {
+    write_synced(hidden(path), bytes);
+    sync_folder(path.parent_path());
+    Statement(rows_->database, "INSERT INTO picture(session, file, object) VALUES (?, ?, ?)")
+        .bind(rows_->session)
+        .bind(picture.file)
+        .bind(picture_json(picture).dump())
+        .run();
+  } catch (const IoError&) {  // as a rule the disk is full: what is to be told needs the room
+    std::error_code none;
+    fs::remove(hidden(path), none);
+    throw;
+  }
   rename_durably(hidden(path), path);
   pictures_.push_back(std::move(picture));
 }

@@ -21,6 +21,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/rng.h"
+#include "optimizer/storage/sqlite.h"
 #include "tests/support/temporary_folder.h"
 
 namespace {
@@ -129,6 +130,17 @@ TEST(AcquireJournal, RepairsEachHalfOfAPicture) {
   EXPECT_FALSE(fs::exists(sequence / "frame_001.png"));
   EXPECT_FALSE(fs::exists(sequence / ".frame_009.png.part"));
   EXPECT_FALSE(fs::exists(sequence / "frame_010.png"));
+}
+
+// On a full disk the bytes may fit, and the row not: they make room for what is to be told of it.
+TEST(AcquireJournal, LeavesNoBytesWithoutARow) {
+  const TemporaryFolder folder;
+  AcquireJournal journal(folder / "", "plan");
+  Database(folder / "journal.sqlite", Database::Access::kReadWrite)
+      .run("CREATE TRIGGER full BEFORE INSERT ON picture BEGIN SELECT RAISE(ABORT, 'full'); END");
+  EXPECT_THROW(journal.keep(picture(0), bytes_of(0)), IoError);
+  EXPECT_TRUE(fs::is_empty(folder / "views/left/sequence"));
+  EXPECT_TRUE(journal.pictures().empty());
 }
 
 /// Where something was noted after `from`; the end: it was not.

@@ -108,9 +108,11 @@ MotionResult UrDriver::blind_result(const MotionResult& result) const {
   if (result.outcome == MotionOutcome::kDone) {
     return *lost_;
   }
-  return {
-      .outcome = result.outcome,
-      .text = fmt::format("{}; whether the arm stands is not known: {}", result.text, lost_->text)};
+  const bool is_told = result.text == lost_->text;
+  return {.outcome = result.outcome,
+          .text = fmt::format("{}; whether the arm stands is not known{}",
+                              result.text,
+                              is_told ? "" : ": " + lost_->text)};
 }
 
 void UrDriver::look_at_stop(double now_s) {

@@ -267,8 +267,12 @@ class Session {
       files_.write_means();
       tell(ready_.work.plan.tasks[picture.task].name);
     });
-    journal_.end_session();
-    return written();
+    try {
+      journal_.end_session();
+      return written();
+    } catch (const IoError& error) {
+      throw IoError(fmt::format("{}; {}", error.what(), end_text()));
+    }
   }
 
  private:
@@ -283,6 +287,15 @@ class Session {
       return "stopped";
     }
     return result_.is_complete() && unplanned_views.empty() ? "complete" : "partial";
+  }
+
+  /// Where the arm is and why, which nobody would know without a file that tells it.
+  std::string end_text() const {
+    return fmt::format("the arm is at {} ({}{}{})",
+                       result_.where,
+                       name_of(result_.end),
+                       result_.text.empty() ? "" : ": ",
+                       result_.text);
   }
 
   Json written() {

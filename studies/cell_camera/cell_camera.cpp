@@ -178,17 +178,21 @@ void check_grab_folder(const fs::path& folder) {
   }
 }
 
-/// Robots whose side channels answer to this user.
+/// Robots that prove to be twins of this user: a side channel alone, as that of a twin on another
+/// network that shares the folder, is none.
 Json twin_robots() {
+  const std::string host = "127.0.0.1";
   Json robots = Json::array();
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(twin_socket_path(0).parent_path(), none)) {
     const std::string name = entry.path().stem().string();
-    if (!name.starts_with("robot-") || !ask_side_channel(entry.path(), "token")) {
+    if (!name.starts_with("robot-")) {
       continue;
     }
-    robots.push_back(
-        {{"address", "127.0.0.1"}, {"rtde_port", std::atoi(name.c_str() + 6)}, {"twin", true}});
+    const int port = std::atoi(name.c_str() + 6);
+    if (is_proven_twin(host, port)) {
+      robots.push_back({{"address", host}, {"rtde_port", port}, {"twin", true}});
+    }
   }
   return robots;
 }
@@ -284,7 +288,8 @@ Json grab_pictures(const Cell& cell,
   const CellCamera& settings = camera_of(cell);
   const fs::path folder =
       options.out.empty()
-          ? default_result_folder(cell.file.parent_path().filename().string(), ResultKind::kGrab)
+          ? default_result_folder(fs::absolute(cell.file).parent_path().filename().string(),
+                                  ResultKind::kGrab)
           : options.out;
   check_grab_folder(folder);
   check_camera_twin(cell);

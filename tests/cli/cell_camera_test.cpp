@@ -12,9 +12,11 @@
 
 #include "core/file.h"
 #include "hardware/robot/twin_proof.h"
+#include "hardware/twin/side_channel/side_channel.h"
 #include "tests/cli/counting_peer.h"
 #include "tests/cli/program.h"
 #include "tests/cli/served_twins.h"
+#include "tests/support/loopback_listener.h"
 #include "tests/support/process_sockets.h"
 
 namespace glint::test {
@@ -69,6 +71,8 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
   const json grabbed = json_of(folder, {"cell", "grab", "counted.toml", "--out", "counted"});
   EXPECT_EQ(grabbed["complete"], 1);
   EXPECT_NEAR(grabbed["frames"][0]["mean_grey"].get<double>(), mean_grey + 0.05, 0.005);
+  const int closed = LoopbackListener().port();
+  const SideChannel alone(twin_socket_path(closed), [](const std::string&) { return "5"; });
   const json list = json_of(folder, {"cell", "list"});
   bool is_listed = false;
   for (const json& camera : list["cameras"]) {
@@ -79,6 +83,8 @@ void expect_list_and_grab_call_no_robot(const TemporaryFolder& folder,
   const json robot = {
       {"address", "127.0.0.1"}, {"rtde_port", twins.of("robot")["rtde_port"]}, {"twin", true}};
   EXPECT_THAT(list["robots"], testing::Contains(robot));
+  const json unproven = {{"address", "127.0.0.1"}, {"rtde_port", closed}, {"twin", true}};
+  EXPECT_THAT(list["robots"], testing::Not(testing::Contains(unproven)));
   counted.expect_not_called();
 }
 
@@ -201,6 +207,17 @@ TEST(CellCamera, ItsCableIsMadeBadByItsSideChannel) {
   const json grabbed = call(folder, {"cell", "grab", cell, "--count", "3", "--out", "grab"});
   EXPECT_EQ(grabbed["complete"], 3);
   EXPECT_GT(json::parse(told(twins, "state"))["cable_dropped"], 0);
+}
+
+// The file's own folder, however it is named.
+TEST(CellCamera, PicturesOfACellGoWhereItsFolderIsNamed) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "mine/out/mine/grab/sequence");
+  write_file(folder / "mine/cell.toml", "[camera]\naddress = \"127.99.99.99\"\n");
+  write_file(folder / "mine/out/mine/grab/sequence/frame_000.png", "taken before");
+  const ProgramResult result = Program(folder / "mine", {"cell", "grab", "cell.toml"}).wait();
+  EXPECT_EQ(result.code, 2);
+  EXPECT_THAT(result.err, HasSubstr("out/mine/grab: holds"));
 }
 
 TEST(CellCamera, SlipsAreNamed) {

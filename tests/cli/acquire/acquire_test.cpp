@@ -21,6 +21,7 @@
 #include "core/file.h"
 #include "core/rng.h"
 #include "hardware/robot/twin_proof.h"
+#include "optimizer/storage/sqlite.h"
 #include "tests/cli/acquire/arm_place.h"
 #include "tests/cli/acquire/gallery_cell.h"
 #include "tests/cli/program.h"
@@ -213,6 +214,12 @@ TEST(Acquire, BacksOutWhenAPictureCannotBeKept) {
   fs::remove(twins.folder / "full/views/right");
   EXPECT_EQ(glint_in(twins.folder, SmallTwins::acquire("full")).code, 0);
   expect_undisturbed(twins, "full");
+  fs::remove(twins.folder / "full/views/right/sequence/frame_000.png");
+  Database(twins.folder / "full/journal.sqlite", Database::Access::kReadWrite)
+      .run("CREATE TRIGGER full BEFORE UPDATE ON session BEGIN SELECT RAISE(ABORT, 'full'); END");
+  const ProgramResult untold = glint_in(twins.folder, SmallTwins::acquire("full"));
+  EXPECT_EQ(untold.code, 3) << untold.out;
+  EXPECT_THAT(untold.err, HasSubstr("the arm is at above (tour)"));
 }
 
 // What the arm does not do as told ends everything where it is; what a person has seen to is then

@@ -211,6 +211,16 @@ TEST(Silence, OfAFifthOfASecondIsALostLink) {
   }
 }
 
+// The reason is told once.
+TEST(Silence, InMotionLeavesUnknownWhetherTheArmStands) {
+  TwinHarness harness(ArmModel::kUr3);
+  harness.twin.add_fault({.kind = FaultKind::kSilence, .when = Fault::When::kMoving});
+  const auto result = harness.move(goal_rad());
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->outcome, MotionOutcome::kLost);
+  EXPECT_EQ(result->text, "no new package for 0.20 s; whether the arm stands is not known");
+}
+
 TEST(Motion, FollowsALine) {
   TwinHarness harness;
   Eigen::Isometry3d goal = harness.driver.arm().base_from_tcp(test_start_rad());

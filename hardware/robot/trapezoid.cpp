@@ -31,4 +31,9 @@ double Trapezoid::at(double time_s) const {
   return length_ - 0.5 * acceleration_ * left * left;
 }
 
+double Trapezoid::speed_at(double time_s) const {
+  const double to_an_end_s = std::min(time_s, duration_s() - time_s);
+  return std::clamp(acceleration_ * to_an_end_s, 0.0, peak_);
+}
+
 }  // namespace glint

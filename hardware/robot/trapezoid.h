@@ -17,6 +17,9 @@ class Trapezoid {
   /// Length that was covered at a time; 0 before, the whole length after the motion.
   double at(double time_s) const;
 
+  /// Speed at a time; 0 before and after the motion.
+  double speed_at(double time_s) const;
+
  private:
   double length_;
   double acceleration_;

@@ -93,6 +93,7 @@ std::string ArmMotion::advance(double dt_s) {
     return {};
   }
   const JointVector before_rad = joints_rad_;
+  const double before_s = time_s_;
   time_s_ += dt_s;
   std::string problem;
   if (const auto* joints = std::get_if<JointMotion>(&motion_)) {
@@ -108,15 +109,32 @@ std::string ArmMotion::advance(double dt_s) {
   if (problem.empty() && joints_rad_.cwiseAbs().maxCoeff() > kJointLimitRad + 1e-9) {
     problem = "joint limit";
   }
-  if (!problem.empty()) {
+  if (problem.empty()) {
+    speed_rad_s_ = speed_after(before_rad, before_s);
+  } else {
     joints_rad_ = before_rad;
+    speed_rad_s_.setZero();
   }
-  speed_rad_s_ = dt_s > 0.0 ? JointVector((joints_rad_ - before_rad) / dt_s) : speed_rad_s_;
   if (time_s_ >= duration_s_) {
     motion_ = std::monostate();
     speed_rad_s_.setZero();
   }
   return problem;
+}
+
+JointVector ArmMotion::speed_after(const JointVector& before_rad, double before_s) const {
+  if (const auto* joints = std::get_if<JointMotion>(&motion_)) {
+    const double length = joints->way_rad.cwiseAbs().maxCoeff();
+    return length > 0.0 ? JointVector(joints->leading.speed_at(time_s_) / length * joints->way_rad)
+                        : JointVector::Zero();
+  }
+  if (const auto* line = std::get_if<LineMotion>(&motion_)) {
+    const double way = line->along.at(time_s_) - line->along.at(before_s);
+    return way > 0.0 ? JointVector(line->along.speed_at(time_s_) / way * (joints_rad_ - before_rad))
+                     : JointVector::Zero();
+  }
+  const auto& stop = std::get<StopMotion>(motion_);
+  return std::max(0.0, 1.0 - time_s_ / stop.duration_s) * stop.speed_rad_s;
 }
 
 std::string ArmMotion::advance_line(const LineMotion& line) {

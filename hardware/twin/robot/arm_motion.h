@@ -69,6 +69,9 @@ class ArmMotion {
 
  private:
   std::string advance_line(const LineMotion& line);
+  /// Of a moving arm at its time: not the mean of the last step, with which an arm that stops while
+  /// it slows down would go beyond its goal.
+  JointVector speed_after(const JointVector& before_rad, double before_s) const;
   std::optional<JointVector> end_of_line() const;
 
   const Arm* arm_;

@@ -16,6 +16,11 @@ TEST(Trapezoid, MatchesAHandWorkedMotion) {
   EXPECT_DOUBLE_EQ(motion.at(3.0), 4.0);
   EXPECT_DOUBLE_EQ(motion.at(6.0), 9.5);
   EXPECT_DOUBLE_EQ(motion.at(8.0), 10.0);
+  EXPECT_DOUBLE_EQ(motion.speed_at(-1.0), 0.0);
+  EXPECT_DOUBLE_EQ(motion.speed_at(1.5), 1.5);
+  EXPECT_DOUBLE_EQ(motion.speed_at(3.0), 2.0);
+  EXPECT_DOUBLE_EQ(motion.speed_at(6.5), 0.5);
+  EXPECT_DOUBLE_EQ(motion.speed_at(8.0), 0.0);
 }
 
 // Too short for the speed: 1 at acceleration 1 takes 1 s up and 1 s down.

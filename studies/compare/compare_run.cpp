@@ -70,6 +70,7 @@ class CompareRun {
   Json execute() {
     plan_ = plan_comparison(options_.inputs);
     add_scene();
+    check_scene_is_there();
     passes_.emplace(store_, plan_.pairs);
     check_folder();
     pair_options_ = {
@@ -116,6 +117,21 @@ class CompareRun {
     }
     if (!is_used) {
       throw ConfigError("--scene: all simulated pictures come with a scene of their own");
+    }
+  }
+
+  /// Options that tell of a scene, where there is none, would change nothing.
+  void check_scene_is_there() const {
+    const auto is_rendered = [](const ComparePair& pair) { return pair.simulated.is_rendered(); };
+    if (std::ranges::any_of(plan_.pairs, is_rendered)) {
+      return;
+    }
+    if (!options_.calibration.empty() || options_.has_roughness || options_.is_lens_known) {
+      throw ConfigError(fmt::format(
+          "{}: no simulated picture is known with its scene; give the run's folder or --scene",
+          !options_.calibration.empty() ? "--calibration"
+          : options_.has_roughness      ? "--roughness"
+                                        : "--calibrated"));
     }
   }
 

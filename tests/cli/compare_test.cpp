@@ -337,6 +337,9 @@ TEST_F(ComparedDesign, TakesTheSceneOfAPictureByItself) {
       folder_, {"compare", "run/winner", real, "--scene", "my.toml", "--quiet", "--out", "other"});
   EXPECT_EQ(refused.code, 2);
   EXPECT_THAT(refused.err, HasSubstr("come with a scene of their own"));
+  const ProgramResult idle = glint_in(folder_, {"compare", "alone.png", real, "--roughness"});
+  EXPECT_EQ(idle.code, 2);
+  EXPECT_THAT(idle.err, HasSubstr("--roughness: no simulated picture is known with its scene"));
 }
 
 // The plate lies turned and to the right of the middle, in the mirrored photograph to the left:

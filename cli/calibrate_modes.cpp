@@ -81,18 +81,29 @@ std::string sensor_text(const Json& result) {
                             result["folder"].get<std::string>());
 }
 
+/// What so few poses leave open has a sigma beyond any use.
+std::string hand_eye_promise(const Json& promised) {
+  constexpr double kMaxUseful_mm = 1000.0;
+  const double sigma_mm = promised["hand_eye_mm"].get<double>();
+  if (!(sigma_mm < kMaxUseful_mm)) {
+    return "no hand-eye: it needs at least 3 poses, turned about different axes";
+  }
+  return fmt::format("a hand-eye to {:.2g} mm and {:.2g} degrees",
+                     sigma_mm,
+                     promised["hand_eye_deg"].get<double>());
+}
+
 std::string pose_plan_text(const Json& plan) {
   const Json& promised = plan["promised"];
   return note_lines(plan["notes"]) +
          fmt::format(
              "{} poses of {}; they promise a focal length to {:.2g} px, the centre to {:.2g} px,\n"
-             "a hand-eye to {:.2g} mm and {:.2g} degrees\nposes: {}/poses.csv\n",
+             "{}\nposes: {}/poses.csv\n",
              plan["poses"].size(),
              plan["pose"].get<std::string>(),
              promised["focal_px"][0].get<double>(),
              promised["center_px"][0].get<double>(),
-             promised["hand_eye_mm"].get<double>(),
-             promised["hand_eye_deg"].get<double>(),
+             hand_eye_promise(promised),
              plan["folder"].get<std::string>());
 }
 

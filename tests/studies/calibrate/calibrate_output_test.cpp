@@ -379,6 +379,20 @@ TEST_F(CalibrateOutput, PlanStaysWhereTheLensIsSharp) {
   EXPECT_EQ(said["notes"], Json::array());
 }
 
+TEST_F(CalibrateOutput, APlanOfTwoPosesPromisesNoHandEye) {
+  write_file(folder_ / "rough.toml",
+             "[camera]\nwidth_px = 800\nheight_px = 600\nfocal_x_px = 900\n");
+  write_file(folder_ / "board.toml", "[board]\ncols = 9\nrows = 6\nsquare_mm = 8\n");
+  const auto told = [&](const std::string& count) {
+    return glint_in(
+               folder_,
+               {"calibrate", "--plan", count, "--board", "board.toml", "--camera", "rough.toml"})
+        .out;
+  };
+  EXPECT_THAT(told("2"), HasSubstr("no hand-eye: it needs at least 3 poses"));
+  EXPECT_THAT(told("4"), HasSubstr("a hand-eye to 0."));
+}
+
 TEST_F(CalibrateOutput, PlanForARobotIsInItsBaseAndPointsFallWhereTheBoardIs) {
   const fs::path set = photographs("calibration/board_on_robot");
   const Arguments pictures = files_in(set, "img", ".png");

@@ -346,7 +346,11 @@ OutlinePair find_outlines(const ComparedPicture& simulated,
   std::optional<MaskPair> masks;
   std::vector<std::string> notes;
   if (!real_mask.empty()) {
-    masks = finder.with_real_mask(read_mask(real_mask, real.width(), real.height()));
+    const Mask mask = read_mask(real_mask, real.width(), real.height());
+    if (share_of(mask) == 1.0) {
+      notes.emplace_back("The mask is white all over: where the part is not it should be black.");
+    }
+    masks = finder.with_real_mask(mask);
   } else if (choice != OutlineChoice::kInner && !finder.fills_picture()) {
     masks = masks_of(finder, choice, notes);
   }

@@ -244,6 +244,11 @@ TEST_F(ComparePairTest, TakesAGivenMask) {
       compare(drawn_blade(), drawn_blade({.index = 1}), {.real_mask = write("m.png", whole)});
   EXPECT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kMask);
   EXPECT_GE(pair.geometry.iou.value(), 0.998);
+  EXPECT_THAT(pair.notes, Not(Contains(HasSubstr("white all over"))));
+  std::ranges::fill(whole.values(), 1.0F);
+  const ComparedPair white =
+      compare(drawn_blade(), drawn_blade({.index = 1}), {.real_mask = write("w.png", whole)});
+  EXPECT_THAT(white.notes, Contains(HasSubstr("white all over")));
 }
 
 // A surface that fills both pictures: its own edges serve.

@@ -143,7 +143,7 @@ StillPose ArmGuide::still(double timeout_s) {
 }
 
 StillPose ArmGuide::still_at_point(double timeout_s) {
-  const StillPose pose = still(timeout_s);
+  StillPose pose = still(timeout_s);
   const bool is_there =
       place_ && place_->is_point &&
       (pose.joints_rad - tour_[place_->leg].joints_rad).cwiseAbs().maxCoeff() <= kOnTourRad;

@@ -14,7 +14,7 @@ using Vector10 = Eigen::Matrix<double, 10, 1>;
 using Matrix10 = Eigen::Matrix<double, 10, 10>;
 
 constexpr std::size_t kMin = 4;
-const Eigen::Array2d kUsualRadial = {0.15, 0.05};
+const Eigen::Array2d usual_radial = {0.15, 0.05};
 
 /// Takes points to a mean of 0 and a mean distance of sqrt(2).
 Eigen::Matrix3d normalising(std::span<const Eigen::Vector2d> points) {
@@ -139,7 +139,7 @@ std::optional<BoardPlane> BoardPlane::fitted(std::span<const Eigen::Vector2d> bo
   }
   Vector10 u = unknowns_of(linear);
   const double accuracy = accuracy_px / plane.size_px_;
-  const Eigen::Array2d pull = (accuracy / kUsualRadial).square();
+  const Eigen::Array2d pull = (accuracy / usual_radial).square();
   for (int step = 0; step < 8; ++step) {
     refine(board, targets, pull, u);
   }

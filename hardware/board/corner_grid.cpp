@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kAligned = 0.978;  ///< cosine of 12 degrees
 constexpr std::size_t kMinCorners = 4;
-const std::array<Eigen::Vector2i, 4> kSteps = {
+const std::array<Eigen::Vector2i, 4> step_of_side = {
     Eigen::Vector2i(1, 0), Eigen::Vector2i(0, 1), Eigen::Vector2i(-1, 0), Eigen::Vector2i(0, -1)};
 
 /// The other end of an edge.
@@ -139,7 +139,7 @@ CornerGrid grown_grid(const Links& links, std::size_t first, std::vector<int>& t
         continue;
       }
       const std::size_t side = (k + static_cast<std::size_t>(turns[from.point])) % 4;
-      const Eigen::Vector2i at = Eigen::Vector2i(from.col, from.row) + kSteps[side];
+      const Eigen::Vector2i at = Eigen::Vector2i(from.col, from.row) + step_of_side[side];
       Steps known = steps[next];
       if (!fits(link.distance_px, known[side % 2])) {
         continue;
@@ -198,7 +198,7 @@ class Places {
 std::vector<std::pair<GridPlacement, Eigen::Vector2i>> turned_boards(const Board& board) {
   std::vector<std::pair<GridPlacement, Eigen::Vector2i>> result;
   for (std::size_t turn = 0; turn < 4; ++turn) {
-    GridPlacement placement = {.along = kSteps[turn], .down = kSteps[(turn + 1) % 4]};
+    GridPlacement placement = {.along = step_of_side[turn], .down = step_of_side[(turn + 1) % 4]};
     const Eigen::Vector2i last = placement.place(board.cols - 1, board.rows - 1);
     const Eigen::Vector2i low = last.cwiseMin(0);
     placement.first = -low;  // so that its lowest place is (0, 0)

@@ -177,7 +177,8 @@ PointError point_error(const Bundle& bundle,
   ErrorSum corners = all;
   for (const BundleView& view : bundle.views) {
     for (int i = 0; i < 49; ++i) {
-      all.add(view, size.cwiseProduct(Vector2d(i % 7 + 0.5, i / 7 + 0.5)) / 7.0);
+      const int row = i / 7;
+      all.add(view, size.cwiseProduct(Vector2d(i % 7 + 0.5, row + 0.5)) / 7.0);
     }
     middle.add(view, 0.5 * size);
     for (int i = 0; i < 4; ++i) {

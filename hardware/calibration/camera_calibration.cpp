@@ -70,9 +70,11 @@ double squares_of(const Work& work, const LensVector& lens) {
   Bundle bundle = camera_bundle(lens, {});
   double sum = 0.0;
   for (const std::size_t i : work.used) {
-    const auto pose = board_pose(work.pictures[i], lens);
-    sum += pose.has_value() ? std::pow(rms_px(bundle, free_view(work.pictures[i], *pose)), 2)
-                            : std::numeric_limits<double>::infinity();
+    if (const auto pose = board_pose(work.pictures[i], lens)) {
+      sum += std::pow(rms_px(bundle, free_view(work.pictures[i], *pose)), 2);
+    } else {
+      sum += std::numeric_limits<double>::infinity();
+    }
   }
   return sum;
 }

@@ -33,7 +33,7 @@ Vector3d PoseChain::point_in_camera_mm(const Vector3d& point_on_board_mm,
                                        Derivatives* derivatives) const {
   const Vector3d before = before_ * point_on_board_mm;
   const Vector3d moved = error_ * before;
-  const Vector3d point = after_ * moved;
+  Vector3d point = after_ * moved;
   if (derivatives == nullptr) {
     return point;
   }

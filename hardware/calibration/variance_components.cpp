@@ -18,7 +18,7 @@ using Eigen::Vector4d;
 using Eigen::VectorXd;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-const Vector3d kMin(1e-5, 1e-7, 1e-5);
+const Vector3d min_sizes(1e-5, 1e-7, 1e-5);
 
 bool has_limits(const NoiseSizes& noise) {
   return noise.robot_rad > 0.0 && noise.robot_mm > 0.0;
@@ -26,7 +26,7 @@ bool has_limits(const NoiseSizes& noise) {
 
 /// Logarithms of corner_px, robot_rad, robot_mm, then w with pattern_px = corner_px sqrt(1 + w^2).
 NoiseSizes noise_of(const Vector4d& at) {
-  const Vector3d sizes = at.head<3>().array().exp().matrix().cwiseMax(kMin);
+  const Vector3d sizes = at.head<3>().array().exp().matrix().cwiseMax(min_sizes);
   return {.corner_px = sizes[0],
           .robot_rad = sizes[1],
           .robot_mm = sizes[2],
@@ -39,7 +39,7 @@ Vector4d coordinates_of(const NoiseSizes& noise) {
   const Vector3d sizes(noise.corner_px, noise.robot_rad, noise.robot_mm);
   const double ratio = noise.whole_pattern_px() / noise.corner_px;
   Vector4d at;
-  at << sizes.cwiseMax(kMin).array().log().matrix(),
+  at << sizes.cwiseMax(min_sizes).array().log().matrix(),
       noise.pattern_px > 0.0 ? std::sqrt(std::max(0.01, ratio * ratio - 1.0)) : 1.0;
   return at;
 }
@@ -116,7 +116,7 @@ EstimatedNoise corner_noise_only(const Bundle& bundle, const CompressedBundle& c
       gradient.size() > 0 ? gradient.dot(ScaledFactor(hessian).solve(gradient)) : 0.0;
   const double square = std::max(0.0, compressed.rest_square_px2 - explained);
   NoiseSizes noise = bundle.noise;
-  noise.corner_px = std::max(kMin[0], std::sqrt(square / freedom));
+  noise.corner_px = std::max(min_sizes[0], std::sqrt(square / freedom));
   return {.noise = noise, .log_sigma = Vector3d(std::sqrt(0.5 / freedom), 0.0, 0.0)};
 }
 
@@ -218,7 +218,7 @@ EstimatedNoise estimate_noise(const Bundle& bundle) {
     }
     at += step;
     // A size that only falls ends at its least.
-    at.head<3>() = at.head<3>().cwiseMax(Vector3d(kMin.array().log()));
+    at.head<3>() = at.head<3>().cwiseMax(Vector3d(min_sizes.array().log()));
     const bool is_done = value - stepped < 1e-6;
     value = function(at);
     if (is_done) {

@@ -112,7 +112,8 @@ std::vector<Candidate> candidates_of(const Scene& scene) {
     for (int side = 0; side < (tilt > 0.0 ? kSides : 1); ++side) {
       for (const double roll : kRolls) {
         for (int place = 0; place < 9; ++place) {
-          const Vector2d at(0.5 + 0.2 * (place % 3 - 1), 0.5 + 0.2 * (place / 3 - 1));
+          const int row = place / 3;
+          const Vector2d at(0.5 + 0.2 * (place % 3 - 1), 0.5 + 0.2 * (row - 1));
           for (const double distance : kDistances) {
             add_candidate(scene,
                           {.tilt_rad = tilt,
@@ -133,7 +134,8 @@ std::vector<Candidate> candidates_of(const Scene& scene) {
 BoardCorners plane_points(const Scene& scene, const Isometry3d& pose) {
   BoardCorners corners;
   for (int i = 0; i < 49; ++i) {
-    const Vector2d pixel = scene.size_px.cwiseProduct(Vector2d(i % 7 + 0.5, i / 7 + 0.5)) / 7.0;
+    const int row = i / 7;
+    const Vector2d pixel = scene.size_px.cwiseProduct(Vector2d(i % 7 + 0.5, row + 0.5)) / 7.0;
     const Vector2d slope =
         (pixel - scene.bundle.lens.segment<2>(2)).cwiseQuotient(scene.bundle.lens.head<2>());
     const Vector3d origin = pose.inverse().translation();

@@ -122,7 +122,7 @@ SupervisedCamera::SupervisedCamera(OpenDriver open, const CameraDeadlines& deadl
 }
 
 std::shared_ptr<SupervisedCamera::Session> SupervisedCamera::opened(Clock::time_point until) const {
-  const auto session = std::make_shared<Session>();
+  auto session = std::make_shared<Session>();
   // A driver that comes too late is closed by the task that opened it.
   auto driver = session->worker->call(
       [open = open_] { return std::shared_ptr<CameraDriver>(open()); }, until);

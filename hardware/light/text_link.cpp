@@ -68,10 +68,12 @@ TextLink TextLink::tcp(const std::string& ipv4, int port, std::chrono::milliseco
     throw ConfigError("address", ipv4 + " is no IPv4 address");
   }
   TextLink link(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  ::connect(link.descriptor_, reinterpret_cast<sockaddr*>(&address), sizeof(address));
-  int failure = ETIMEDOUT;
+  const bool is_refused =  // at once; most peers are still awaited
+      ::connect(link.descriptor_, reinterpret_cast<sockaddr*>(&address), sizeof(address)) != 0 &&
+      errno != EINPROGRESS;
+  int failure = is_refused ? errno : ETIMEDOUT;
   socklen_t size = sizeof(failure);
-  if (wait_for(link.descriptor_, POLLOUT, Clock::now() + within)) {
+  if (!is_refused && wait_for(link.descriptor_, POLLOUT, Clock::now() + within)) {
     ::getsockopt(link.descriptor_, SOL_SOCKET, SO_ERROR, &failure, &size);
   }
   if (failure != 0) {

@@ -240,7 +240,7 @@ Clearance ClearanceCheck::along(const JointVector& from_rad, const JointVector& 
   constexpr double kMiddle = 0.5;
   Walk walk = {.from_rad = from_rad, .way_rad = to_rad - from_rad, .min_mm = kFarMm};
   for (const double share : {0.0, 1.0, kMiddle}) {
-    const Clearance there = at(from_rad + share * walk.way_rad);
+    Clearance there = at(from_rad + share * walk.way_rad);
     if (!there.is_free()) {
       return there;
     }

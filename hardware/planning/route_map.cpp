@@ -146,8 +146,10 @@ double RouteMap::optimistic_s(std::size_t from, std::size_t to) {
   if (straight_s < kNoWay_s) {
     return straight_s;
   }
-  const std::optional<Route> route = over_safe(from, to);
-  return route ? route->duration_s : kNoWay_s;
+  if (const std::optional<Route> route = over_safe(from, to)) {
+    return route->duration_s;
+  }
+  return kNoWay_s;
 }
 
 }  // namespace glint

@@ -131,7 +131,7 @@ void set_distortion(const ConfigNode& node, PinholeIntrinsics& intrinsics) {
 
 /// The nine numbers of a camera matrix without skew, row by row.
 std::vector<double> camera_matrix(const ConfigNode& matrix, std::string_view key) {
-  const std::vector<double> k = matrix_of(matrix, key);
+  std::vector<double> k = matrix_of(matrix, key);
   if (k.size() != 9) {
     refuse_key(matrix.place, key, fmt::format("has {} numbers, must have 9", k.size()));
   }
@@ -154,7 +154,7 @@ PinholeIntrinsics opencv_camera(const ConfigNode& root, const ConfigNode& matrix
   if (model != nullptr && model->text != "plumb_bob") {
     refuse_key(model->place,
                "distortion_model",
-               fmt::format("is \"{}\", must be \"plumb_bob\" (k1 k2 p1 p2 k3)", model->text));
+               fmt::format(R"(is "{}", must be "plumb_bob" (k1 k2 p1 p2 k3))", model->text));
   }
   const ConfigNode* distortion = find_any(
       root,

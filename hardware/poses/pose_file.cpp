@@ -156,7 +156,7 @@ void read_convention(const ConfigNode& root, PoseFile& file) {
       errors.push_back({.kind = Problem::Kind::kUnknownKey,
                         .place = root.items[i].place,
                         .key = root.names[i],
-                        .text = "unknown key, known are \"convention\", \"poses\""});
+                        .text = R"(unknown key, known are "convention", "poses")"});
     }
   }
   throw_if_any(errors);

@@ -83,7 +83,7 @@ Eigen::Matrix3d euler_rotation(const Eigen::Vector3d& angles_rad, const std::str
 
 /// Number k is about axis k of the order, which angles that have names are put into.
 Eigen::Vector3d angles_of(const WrittenPose& pose, const std::string& order) {
-  const Eigen::Vector3d angles(pose.numbers[3], pose.numbers[4], pose.numbers[5]);
+  Eigen::Vector3d angles(pose.numbers[3], pose.numbers[4], pose.numbers[5]);
   std::string axes = order;
   std::ranges::sort(axes);
   if (!pose.has_named_angles || axes != "xyz") {

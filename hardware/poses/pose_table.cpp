@@ -181,7 +181,7 @@ std::string unit_of(std::span<const Heading> headings, bool of_position) {
     if (first != nullptr && heading.unit != first->unit) {
       refuse_key(heading.place,
                  of_position ? "unit" : "angle",
-                 fmt::format("\"{}\" and \"{}\" have different units", first->name, heading.name));
+                 fmt::format(R"("{}" and "{}" have different units)", first->name, heading.name));
     }
     first = &heading;
   }

@@ -41,7 +41,8 @@ Eigen::Matrix<double, 3, 9> best_turn(const PinholeCamera& camera,
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 9> right = Eigen::Matrix<double, 3, 9>::Zero();
   for (int i = 0; i < kGrid * kGrid; ++i) {
-    const Vector2d share((i % kGrid + 0.5) / kGrid, (i / kGrid + 0.5) / kGrid);
+    const int row = i / kGrid;
+    const Vector2d share((i % kGrid + 0.5) / kGrid, (row + 0.5) / kGrid);
     if (const auto motion = ray_motion(camera, lens, size_px.cwiseProduct(share))) {
       normal += motion->by_turn.transpose() * motion->by_turn;
       right -= motion->by_turn.transpose() * motion->by_lens;

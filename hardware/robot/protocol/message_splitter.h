@@ -30,11 +30,11 @@ class FrameSplitter {
   };
 
   /// RTDE: uint16 length, uint8 kind; at most 65,535 bytes.
-  static FrameSplitter of_rtde() { return FrameSplitter("RTDE", 2, 65535); }
+  static FrameSplitter of_rtde() { return {"RTDE", 2, 65535}; }
 
   /// Primary and secondary interface: int32 length, uint8 kind; at most max_bytes.
   static FrameSplitter of_primary(std::size_t max_bytes = 65536) {
-    return FrameSplitter("primary interface", 4, max_bytes);
+    return {"primary interface", 4, max_bytes};
   }
 
   void append(std::string_view bytes);

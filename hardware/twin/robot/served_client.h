@@ -98,12 +98,10 @@ class ServedClient : public std::enable_shared_from_this<ServedClient> {
         boost::asio::buffer(sending_),
         [self = shared_from_this()](const boost::system::error_code& error, std::size_t) {
           self->sending_.clear();
-          if (error) {
+          if (error || (self->waiting_.empty() && self->is_closing_)) {
             self->close();
           } else if (!self->waiting_.empty()) {
             self->write();
-          } else if (self->is_closing_) {
-            self->close();
           } else if (self->on_drained_) {
             self->on_drained_();
           }

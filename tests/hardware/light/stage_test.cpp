@@ -99,6 +99,12 @@ TEST(LinearStage, NamesAControllerThatIsGone) {
   EXPECT_THROW(TextLink::tcp("127.0.0.1", port, milliseconds(1000)), IoError);
 }
 
+/// Nobody can be connected with a broadcast address: connect() says so itself, and the socket asked
+/// later knows of no failure.
+TEST(TextLink, ToldOfAFailureAtOnceIsNoLink) {
+  EXPECT_THROW(TextLink::tcp("255.255.255.255", 9, milliseconds(1000)), IoError);
+}
+
 /// A controller that answers each piece of text by what a function says.
 class AnsweringController {
  public:

@@ -110,8 +110,8 @@ class Crossings {
     const double before = std::abs(face.normal.dot(from - face.corners[0]));
     const double after = std::abs(face.normal.dot(to - face.corners[0]));
     const double position = before / (before + after);
-    points_mm_.push_back(position < 0.5 ? from + position * (to - from)
-                                        : to + (after / (before + after)) * (from - to));
+    points_mm_.emplace_back(position < 0.5 ? from + position * (to - from)
+                                           : to + (after / (before + after)) * (from - to));
     side.nodes.push_back({edge, position, node});
   }
 

@@ -43,7 +43,7 @@ class ImprintedMeshState {
 
   std::int32_t num_vertices() const;
 
-  const Eigen::Vector3d& vertex(std::int32_t index) const;
+  const Eigen::Vector3d& vertex(std::int32_t number) const;
   const Triangle& triangle(std::int32_t face) const;
   std::int32_t label(std::int32_t face) const;
   std::int32_t origin(std::int32_t face) const;

@@ -224,20 +224,20 @@ class PatchCutter {
 }  // namespace
 
 PatchResult cut_patch(const ImprintedMeshState& part,
-                      const TriangleMesh& mesh,
+                      const TriangleMesh& tool,
                       std::int32_t label,
                       ImprintOperation operation,
                       const ImprintLimits& limits) {
   PatchResult broken;
   broken.result.outcome = ImprintOutcome::kBrokenTool;
-  if (!find_fault(mesh).empty()) {
+  if (!find_fault(tool).empty()) {
     return broken;
   }
-  const PatchTool tool(mesh);
-  if (!tool.edges.is_closed()) {
+  const PatchTool prepared(tool);
+  if (!prepared.edges.is_closed()) {
     return broken;
   }
-  return PatchCutter(part, tool, label, operation, limits).run();
+  return PatchCutter(part, prepared, label, operation, limits).run();
 }
 
 }  // namespace glint

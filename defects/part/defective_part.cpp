@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -72,16 +74,37 @@ SurfacePlace turned_across(const SurfacePlace& place) {
   return turned;
 }
 
+std::vector<ToolCollection> tools_of(std::span<const NamedGroup> groups) {
+  std::vector<ToolCollection> tools;
+  for (const auto& [name, group] : groups) {
+    tools.emplace_back(name, group);
+  }
+  return tools;
+}
+
 }  // namespace
 
 struct DefectMaker::State {
+  State(std::shared_ptr<const Part> on_part,
+        std::shared_ptr<const Bvh> with_bvh,
+        std::vector<NamedGroup> named,
+        const ImprintSettings& imprint,
+        double max_crease_rad)
+      : part(std::move(on_part)),
+        bvh(std::move(with_bvh)),
+        groups(std::move(named)),
+        settings(imprint),
+        crease_rad(max_crease_rad),
+        tools(tools_of(groups)),
+        sampler(*part, *bvh, groups, settings, crease_rad) {}
+
   std::shared_ptr<const Part> part;
   std::shared_ptr<const Bvh> bvh;
   std::vector<NamedGroup> groups;
   ImprintSettings settings;
   double crease_rad = 0.0;
-  DefectSampler sampler;
   std::vector<ToolCollection> tools;  ///< one a group
+  DefectSampler sampler;
 
   /// The part before its first imprint, with its search tree; made when it is first needed.
   const ImprintedMesh& untouched() const {
@@ -312,20 +335,9 @@ DefectMaker::DefectMaker(std::shared_ptr<const Part> part,
                          std::shared_ptr<const Bvh> bvh,
                          std::vector<NamedGroup> groups,
                          const ImprintSettings& settings,
-                         double crease_rad) {
-  std::vector<ToolCollection> tools;
-  for (const auto& [name, group] : groups) {
-    tools.emplace_back(name, group);
-  }
-  DefectSampler sampler(*part, *bvh, groups, settings, crease_rad);
-  state_.reset(new State{std::move(part),
-                         std::move(bvh),
-                         std::move(groups),
-                         settings,
-                         crease_rad,
-                         std::move(sampler),
-                         std::move(tools)});
-}
+                         double crease_rad)
+    : state_(std::make_unique<const State>(
+          std::move(part), std::move(bvh), std::move(groups), settings, crease_rad)) {}
 
 DefectMaker::~DefectMaker() = default;
 DefectMaker::DefectMaker(DefectMaker&&) noexcept = default;

@@ -131,7 +131,7 @@ std::vector<Vector3d> cut(const std::vector<Vector3d>& polygon, const HalfSpace&
       kept.push_back(a);
     }
     if ((out_a < 0.0 && out_b > 0.0) || (out_a > 0.0 && out_b < 0.0)) {
-      kept.push_back(a + out_a / (out_a - out_b) * (b - a));
+      kept.emplace_back(a + out_a / (out_a - out_b) * (b - a));
     }
   }
   return kept;

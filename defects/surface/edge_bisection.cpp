@@ -41,7 +41,7 @@ Vector3d edge_point(std::span<const ExactPatch> patches,
                     std::span<const std::int32_t> patch_ids,
                     const Vector3d& a_mm,
                     const Vector3d& b_mm) {
-  const Vector3d middle = 0.5 * (a_mm + b_mm);
+  Vector3d middle = 0.5 * (a_mm + b_mm);
   std::array<std::int32_t, 3> distinct = {};
   std::size_t count = 0;
   for (const std::int32_t id : patch_ids) {
@@ -259,7 +259,8 @@ std::int32_t EdgeBisection::split_face(std::int32_t face,
   mesh_.triangles[at(face)][to] = vertex;
   mesh_.triangles[at(other)][from] = vertex;
   if (has_normals()) {
-    mesh_.corner_normals.push_back(Triangle(mesh_.corner_normals[at(face)]));
+    const Triangle normals = mesh_.corner_normals[at(face)];
+    mesh_.corner_normals.push_back(normals);
     mesh_.corner_normals[at(face)][to] = normal;
     mesh_.corner_normals[at(other)][from] = normal;
   }

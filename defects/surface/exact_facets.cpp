@@ -104,7 +104,8 @@ bool refine_under_tool(ImprintedMesh& part,
   const ToolReach reach(tool);
   const BoundingBox box = bounding_box(tool);
   constexpr double kAll = 1e9;
-  for (double share = 0.25; share < kAll; share *= 2.0) {
+  double share = 0.25;
+  while (share < kAll) {
     MeshCutout cutout = part.cutout(grown(box, share));
     const bool is_whole = cutout.faces.size() == part.num_triangles();
     const std::size_t before = cutout.faces.size();
@@ -118,6 +119,7 @@ bool refine_under_tool(ImprintedMesh& part,
       }
       return true;
     }
+    share *= 2.0;
   }
   return true;
 }

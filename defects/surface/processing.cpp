@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 enum class Use : std::uint64_t { kVertex = 1, kEdge = 2, kFaceNormal = 3 };
 
 Rng rng_of(std::uint64_t seed, Use use, std::size_t number) {
-  return Rng(seed, Stream::kDefects, (static_cast<std::uint64_t>(use) << 56) + number);
+  return {seed, Stream::kDefects, (static_cast<std::uint64_t>(use) << 56) + number};
 }
 
 /// A share of the triangles' heights below 1/3: see limit_to_heights().

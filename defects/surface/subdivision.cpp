@@ -161,9 +161,10 @@ class SharpEdges {
     is_sharp_.resize(opposite_.size());
     for (std::size_t i = 0; i < opposite_.size(); ++i) {
       const std::int32_t other = opposite_[i];
-      is_sharp_[i] = other < 0 || labels[i / 3] != labels[at(other / 3)] ||
-                     mesh.patch_of(i / 3) >= 0 || mesh.patch_of(at(other / 3)) >= 0 ||
-                     angle_between_faces(mesh, i / 3, at(other / 3)) > crease_rad;
+      const bool is_sharp = other < 0 || labels[i / 3] != labels[at(other / 3)] ||
+                            mesh.patch_of(i / 3) >= 0 || mesh.patch_of(at(other / 3)) >= 0 ||
+                            angle_between_faces(mesh, i / 3, at(other / 3)) > crease_rad;
+      is_sharp_[i] = is_sharp ? 1 : 0;
     }
   }
 

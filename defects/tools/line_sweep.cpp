@@ -303,7 +303,7 @@ TriangleMesh swept(const LineTool& shape, const Sections& s, const LineFrames& f
   const std::size_t per_section = s.sections.front().size() + 3;
   const bool look = is_tight(shape, s, frames);
   double window = std::min(0.5 * shape.width_mm, 0.05 * shape.length_mm);
-  for (; window < 2.0 * shape.length_mm; window *= 2.0) {
+  while (window < 2.0 * shape.length_mm) {
     const std::vector<LineFrame> at = frames_at(frames, s.arc_mm, window);
     for (const double height : {1.0, 0.5, 0.25}) {
       std::vector<Eigen::Vector3d> points = place_sections(s, at, shape.lean, height * s.top_mm);
@@ -314,6 +314,7 @@ TriangleMesh swept(const LineTool& shape, const Sections& s, const LineFrames& f
         }
       }
     }
+    window *= 2.0;
   }
   // Nothing fits a path that bends tighter than the tool: straight on through its middle.
   const LineFrame middle = frames.at(0.0, shape.length_mm);

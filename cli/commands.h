@@ -42,9 +42,9 @@ struct StudyArguments {
   bool is_masks = false;       ///< render: masks and geometry alone
 };
 
-/// @param driven  with its cell and --move, the robot validates what [validate] names
+/// @param given  with its cell and --move, the robot validates what [validate] names
 int run_command(const StudyArguments& arguments,
-                const AcquireArguments& driven,
+                const AcquireArguments& given,
                 const CommonArguments& common);
 int check_command(const StudyArguments& arguments, const CommonArguments& common);
 int render_command(const StudyArguments& arguments, const CommonArguments& common);

@@ -64,7 +64,8 @@ std::string edges_text(const Json& pair) {
                         cell(edge["sigma_px"], 3),
                         cell(edge["offset_mm"], 4),
                         edge["name"].get<std::string>(),
-                        surface == beyond ? " on " + surface : ": " + surface + " | " + beyond);
+                        surface == beyond ? fmt::format(" on {}", surface)
+                                          : fmt::format(": {} | {}", surface, beyond));
   }
   return text + unlisted_text(pair);
 }

@@ -20,7 +20,7 @@ namespace {
 void check_page(const std::filesystem::path& file) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(file, ignored) &&
-      read_file(file).find("<meta name=\"generator\" content=\"Glint\">") == std::string::npos) {
+      read_file(file).find(R"(<meta name="generator" content="Glint">)") == std::string::npos) {
     throw ConfigError(file.string() +
                       ": exists and is no report of glint; give the report another name by --out");
   }

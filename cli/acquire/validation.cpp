@@ -126,7 +126,7 @@ std::string planned_line(const std::string& design, const PlanRunOptions& option
   }
   try {
     Json plan = plan_study(load_study(scene, {}), options);
-    const std::string line = fmt::format("{}: {}\n", design, plan_sentence(plan));
+    std::string line = fmt::format("{}: {}\n", design, plan_sentence(plan));
     plan["design"] = design;
     plans.push_back(std::move(plan));
     return line;

@@ -60,11 +60,11 @@ std::string bash_offer(const OptionUsage& option) {
       return fmt::format("COMPREPLY=($(compgen -W {} -- \"$cur\"))",
                          quoted(join(option.words(), " ")));
     case Offer::kKeys:
-      return "COMPREPLY=($(compgen -W \"$keys\" -- \"$cur\"))";
+      return R"(COMPREPLY=($(compgen -W "$keys" -- "$cur")))";
     case Offer::kAssignments:
-      return "COMPREPLY=($(compgen -S = -W \"$keys\" -- \"$cur\")); compopt -o nospace";
+      return R"(COMPREPLY=($(compgen -S = -W "$keys" -- "$cur")); compopt -o nospace)";
     case Offer::kVerbs:
-      return "COMPREPLY=($(compgen -W \"$verbs\" -- \"$cur\"))";
+      return R"(COMPREPLY=($(compgen -W "$verbs" -- "$cur")))";
     case Offer::kFolders:
       return "COMPREPLY=($(compgen -d -- \"$cur\"))";
     case Offer::kFiles:

@@ -95,8 +95,8 @@ std::string_view without_error(std::string_view name) {
   return is_error(name) ? name.substr(0, name.size() - kError.size()) : name;
 }
 
-ScoreInterval interval_of(std::string_view bound) {
-  const std::string_view name = without_bound(bound);
+ScoreInterval interval_of(std::string_view name) {
+  name = without_bound(name);
   if (find_doc(name) == nullptr || name == "inspection.threshold" ||
       name == "inspection.region_share" || name == "inspection.rendering_share" ||
       name == "inspection.rendering_error") {

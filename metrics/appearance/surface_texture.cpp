@@ -191,7 +191,7 @@ void set_directions(const std::vector<double>& power, std::size_t size, SurfaceT
     const double per_px = std::hypot(u, v) / static_cast<double>(size);
     if (per_px >= kLowCycles && per_px <= kHighCycles) {
       const double angle = direction_rad(u, v);
-      const auto direction = static_cast<std::size_t>(angle / kPi * kDirections + 0.5);
+      const auto direction = static_cast<std::size_t>(std::floor(angle / kPi * kDirections + 0.5));
       texture.angular[direction % kDirections] += power[i];
       sum += power[i];
       cosine += power[i] * std::cos(2.0 * angle);

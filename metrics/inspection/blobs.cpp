@@ -46,8 +46,13 @@ Limits limits_of(double threshold, Polarity polarity) {
   if (static_cast<double>(minimum) < threshold) {
     minimum = std::nextafter(minimum, kNever);
   }
-  return {.low = polarity == Polarity::kBright ? -kNever : -minimum,
-          .high = polarity == Polarity::kDark ? kNever : minimum};
+  Limits limits = {.low = -minimum, .high = minimum};
+  if (polarity == Polarity::kBright) {
+    limits.low = -kNever;
+  } else if (polarity == Polarity::kDark) {
+    limits.high = kNever;
+  }
+  return limits;
 }
 
 void add_runs(const float* row, int y, int width, Limits limits, std::vector<Run>& runs) {

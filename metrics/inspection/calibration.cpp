@@ -155,10 +155,12 @@ double too_low(const Inspector& inspector,
                std::int64_t allowed,
                ThreadPool& pool) {
   constexpr double kStep = 0.9;
-  for (double size = largest_size(responses); size > inspector.min_threshold(); size *= kStep) {
+  double size = largest_size(responses);
+  while (size > inspector.min_threshold()) {
     if (count_blobs(inspector, responses, size, pool) > allowed) {
       return size;
     }
+    size *= kStep;
   }
   return inspector.min_threshold();
 }

@@ -304,8 +304,9 @@ ImageF warped(const ImageF& reference, const Similarity& to_part, int width_px, 
     for (int x = box.left; x < box.right; ++x) {
       double sum = 0.0;
       for (int k = 0; k < samples * samples; ++k) {
+        const int row = k / samples;
         const double u = (k % samples + 0.5) / samples;
-        const double v = (k / samples + 0.5) / samples;
+        const double v = (row + 0.5) / samples;
         sum += unwarp.sample(reference, x + u, y + v);
       }
       result(x, y) = static_cast<float>(sum / (samples * samples));

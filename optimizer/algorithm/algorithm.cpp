@@ -223,9 +223,9 @@ void Algorithm::add_event(EventKind kind, int run, std::string text) {
 }
 
 void Algorithm::add_model_event(std::vector<double> parameters) {
-  events_.push_back({.kind = EventKind::kModel,
-                     .text = std::to_string(parameters.size()) + " parameters of models",
-                     .objectives = std::move(parameters)});
+  std::string text = std::to_string(parameters.size()) + " parameters of models";
+  events_.push_back(
+      {.kind = EventKind::kModel, .text = std::move(text), .objectives = std::move(parameters)});
 }
 
 std::span<const std::string_view> algorithm_names() {

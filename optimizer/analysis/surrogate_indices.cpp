@@ -41,12 +41,14 @@ std::vector<SobolIndex> indices_of(const Eigen::VectorXd& values,
 /// L of covariance = L L^T, with as little added to the diagonal as it takes.
 Eigen::MatrixXd factor_of(Eigen::MatrixXd covariance) {
   const double scale = std::max(covariance.diagonal().maxCoeff(), 1e-300);
-  for (double jitter = 1e-10; jitter < 1.0; jitter *= 10.0) {
+  double jitter = 1e-10;
+  while (jitter < 1.0) {
     covariance.diagonal().array() += jitter * scale;
     const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
     if (factor.info() == Eigen::Success) {
       return factor.matrixL();
     }
+    jitter *= 10.0;
   }
   return Eigen::MatrixXd::Zero(covariance.rows(), covariance.cols());
 }

@@ -53,6 +53,7 @@ struct Standing {
   int too_many = 0;      ///< beyond kWorstShare outside limits or failed; 0: `reached` is finite
   double reached = 0.0;  ///< the merit that all but kWorstShare reach
 
+  // NOLINTNEXTLINE(modernize-use-nullptr): there is no null
   auto operator<=>(const Standing&) const = default;
 };
 

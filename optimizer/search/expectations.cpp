@@ -124,8 +124,7 @@ std::vector<int> finalists_of(const Goal& goal,
                               std::span<const Trial> trials,
                               const Expectations& expected,
                               int first,
-                              std::size_t count,
-                              std::optional<std::size_t> kinds,
+                              const FinalistPlaces& places,
                               const LimitExpectations& limits) {
   const std::vector<const Trial*> ordered = in_order(goal, trials, expected, first, limits);
   std::vector<const Trial*> taken;
@@ -133,12 +132,12 @@ std::vector<int> finalists_of(const Goal& goal,
     const auto is_like = [&](const Trial* other) {
       return are_alike(space, trial->point, other->point);
     };
-    if (taken.size() < count && std::ranges::none_of(taken, is_like)) {
+    if (taken.size() < places.count && std::ranges::none_of(taken, is_like)) {
       taken.push_back(trial);
     }
   }
-  if (kinds) {
-    add_missing_kinds(ordered, *kinds, taken);
+  if (places.kinds) {
+    add_missing_kinds(ordered, *places.kinds, taken);
   }
   std::vector<int> numbers;
   std::ranges::transform(taken, std::back_inserter(numbers), &Trial::number);

@@ -38,21 +38,25 @@ Expectations with_exact_scores(const Goal& goal,
                                std::span<const std::string> names,
                                Expectations expected);
 
+/// How many finalists there may be.
+struct FinalistPlaces {
+  std::size_t count = 1;             ///< >= 1
+  std::optional<std::size_t> kinds;  ///< index of a choice: beyond the count the best of each of
+                                     ///< its values that has no design among them
+};
+
 /// The trials of one objective that are most likely the best: feasible ones by what is expected of
 /// them, else by what was seen, the best first; feasible is likewise what is_likely_feasible(). Of
 /// two that differ by less than 1 % of the range in every variable the worse is left out.
 /// @param space  checked
 /// @param first  the number of a trial that is taken in any case where it has scores, first
-/// @param count  >= 1, so many at most, and beyond them
-/// @param kinds  index of a choice: the best of each of its values that has no design among them
 /// @return numbers of trials
 std::vector<int> finalists_of(const Goal& goal,
                               const SearchSpace& space,
                               std::span<const Trial> trials,
                               const Expectations& expected,
                               int first,
-                              std::size_t count,
-                              std::optional<std::size_t> kinds = std::nullopt,
+                              const FinalistPlaces& places,
                               const LimitExpectations& limits = {});
 
 }  // namespace glint

@@ -146,7 +146,7 @@ class FinalRacing {
   Outcome outcome_of(const Entrant& entrant, int replicate) {
     const auto known = known_.find({entrant.key, replicate});
     if (known == known_.end()) {
-      const Outcome outcome = evaluated(entrant, replicate);
+      Outcome outcome = evaluated(entrant, replicate);
       append(entrant, replicate, outcome);
       return outcome;
     }

@@ -84,8 +84,8 @@ std::vector<NamedEntrant> entrants_of(const Study& study,
                     trials,
                     search.expected,
                     search.best->number,
-                    static_cast<std::size_t>(num_finalists(study, search.evaluations)),
-                    kinds_in_race(study, search),
+                    {.count = static_cast<std::size_t>(num_finalists(study, search.evaluations)),
+                    .kinds = kinds_in_race(study, search)},
                     search.limits)) {
     const Point& point = trials[static_cast<std::size_t>(number - 1)].point;
     has_baseline = has_baseline || point == canonical(study.space, baseline_point(study));

@@ -137,8 +137,7 @@ const Trial* best_of(const Study& study,
                                                          trials,
                                                          judged.expected,
                                                          judged.winner,
-                                                         1,
-                                                         std::nullopt,
+                                                         {.count = 1},
                                                          judged.limits);
   if (!feasible.empty()) {
     return &*std::ranges::find(trials, feasible.front(), &Trial::number);
@@ -257,6 +256,28 @@ std::vector<KindFinalist> kind_finalists(SceneStore& store,
     }
   }
   return finalists;
+}
+
+/// What best_of_each_kind() gives.
+Json rescored_kinds(SceneStore& store,
+                    const Study& study,
+                    const std::vector<Trial>& trials,
+                    const std::vector<double>& reference,
+                    const Judged& judged) {
+  const std::vector<Variable>& variables = study.space.variables;
+  const auto found = std::ranges::find(variables, "lighting_use", &Variable::name);
+  if (found == variables.end()) {
+    return nullptr;
+  }
+  const auto use = static_cast<std::size_t>(found - variables.begin());
+  std::vector<KindFinalist> finalists =
+      kind_finalists(store, study, trials, use, reference, judged);
+  sort_kinds(study.goal, finalists);
+  Json kinds = Json::array();
+  std::ranges::transform(finalists, std::back_inserter(kinds), [&](const KindFinalist& finalist) {
+    return kind_json(study, finalist);
+  });
+  return kinds;
 }
 
 }  // namespace
@@ -400,26 +421,9 @@ Json best_of_each_kind(SceneStore& store,
                        const std::vector<double>& reference,
                        const Expectations& expected,
                        int winner,
-                       const LimitExpectations& limits,
-                       FreshOutcomes* fresh) {
-  const std::vector<Variable>& variables = study.space.variables;
-  const auto found = std::ranges::find(variables, "lighting_use", &Variable::name);
-  if (found == variables.end()) {
-    return nullptr;
-  }
-  std::vector<KindFinalist> finalists =
-      kind_finalists(store,
-                     study,
-                     trials,
-                     static_cast<std::size_t>(found - variables.begin()),
-                     reference,
-                     {.expected = expected, .winner = winner, .limits = limits, .fresh = fresh});
-  sort_kinds(study.goal, finalists);
-  Json kinds = Json::array();
-  std::ranges::transform(finalists, std::back_inserter(kinds), [&](const KindFinalist& finalist) {
-    return kind_json(study, finalist);
-  });
-  return kinds;
+                       const LimitExpectations& limits) {
+  return rescored_kinds(
+      store, study, trials, reference, {.expected = expected, .winner = winner, .limits = limits});
 }
 
 Json kinds_of_search(SceneStore& store,
@@ -427,16 +431,16 @@ Json kinds_of_search(SceneStore& store,
                      const Storage& storage,
                      const SearchResult& search,
                      FreshOutcomes* fresh) {
-  return best_of_each_kind(store,
-                           study,
-                           storage.trials(TrialKind::kSearch),
-                           recorded_reference(storage.events()),
-                           has_several_objectives(study.goal) ? search.of_front()
-                           : study.search.is_noisy            ? search.expected
-                                                              : Expectations{},
-                           search.best->number,
-                           search.limits,
-                           fresh);
+  return rescored_kinds(store,
+                        study,
+                        storage.trials(TrialKind::kSearch),
+                        recorded_reference(storage.events()),
+                        {.expected = has_several_objectives(study.goal) ? search.of_front()
+                                     : study.search.is_noisy            ? search.expected
+                                                                        : Expectations{},
+                         .winner = search.best->number,
+                         .limits = search.limits,
+                         .fresh = fresh});
 }
 
 }  // namespace glint

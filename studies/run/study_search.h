@@ -75,7 +75,6 @@ nlohmann::ordered_json front_json(const Study& study,
 ///           front are of this kind } ], the best of the rescored first, of several objectives
 ///           what the goal's choice takes of them, then of the rest; a kind of which no evaluation
 ///           succeeded, or which cannot be rescored, is left out. null without such a variable
-/// @param fresh  gets what they gave; nullptr: it is not kept
 /// @throws IoError
 nlohmann::ordered_json best_of_each_kind(SceneStore& store,
                                          const Study& study,
@@ -83,11 +82,11 @@ nlohmann::ordered_json best_of_each_kind(SceneStore& store,
                                          const std::vector<double>& reference = {},
                                          const Expectations& expected = {},
                                          int winner = 0,
-                                         const LimitExpectations& limits = {},
-                                         FreshOutcomes* fresh = nullptr);
+                                         const LimitExpectations& limits = {});
 
 /// best_of_each_kind() of a search that has ended.
 /// @param search  with a best trial
+/// @param fresh   gets what they gave; nullptr: it is not kept
 nlohmann::ordered_json kinds_of_search(SceneStore& store,
                                        const Study& study,
                                        const Storage& storage,

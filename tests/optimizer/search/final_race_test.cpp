@@ -333,10 +333,12 @@ TEST(FinalistsOf, AreTheBestByWhatIsExpectedAndNoTwoAlike) {
                                      told_trial(5, {0.2, 0.8}, 9.0, 2.0),
                                      told_trial(6, {0.7, 0.7}, 2.0)};
   const SearchSpace space = test::box(2, 0, 1);
-  EXPECT_EQ(finalists_of(kBounded, space, trials, {}, 6, 3), (std::vector<int>{6, 2, 3}));
+  EXPECT_EQ(finalists_of(kBounded, space, trials, {}, 6, {.count = 3}),
+            (std::vector<int>{6, 2, 3}));
   // The model takes most of trial 2 for luck and expects more of 1; 5 is outside the limit.
   const Expectations expected = {{1, {{3.5, 0.1}}}, {2, {{2.5, 0.1}}}};
-  EXPECT_EQ(finalists_of(kBounded, space, trials, expected, 6, 9), (std::vector<int>{6, 1, 3, 2}));
+  EXPECT_EQ(finalists_of(kBounded, space, trials, expected, 6, {.count = 9}),
+            (std::vector<int>{6, 1, 3, 2}));
 }
 
 // Kind 0 has the three best designs; of kind 1 the better one comes last, and of kind 2 nothing is
@@ -351,11 +353,14 @@ TEST(FinalistsOf, HaveOneOfEachKind) {
                                      told_trial(4, {0.7, 1.0}, 2.0),
                                      told_trial(5, {0.5, 2.0}, 9.0, 2.0),
                                      told_trial(6, {0.9, 0.0}, 4.0)};
-  EXPECT_EQ(finalists_of(kBounded, space, trials, {}, 1, 2), (std::vector<int>{1, 3}));
-  EXPECT_EQ(finalists_of(kBounded, space, trials, {}, 1, 2, 1), (std::vector<int>{1, 3, 4}));
+  EXPECT_EQ(finalists_of(kBounded, space, trials, {}, 1, {.count = 2}), (std::vector<int>{1, 3}));
+  EXPECT_EQ(finalists_of(kBounded, space, trials, {}, 1, {.count = 2, .kinds = 1}),
+            (std::vector<int>{1, 3, 4}));
   const Expectations expected = {{2, {{3.0, 0.1}}}};
-  EXPECT_EQ(finalists_of(kBounded, space, trials, expected, 1, 2, 1), (std::vector<int>{1, 3, 2}));
-  EXPECT_EQ(finalists_of(kBounded, space, trials, {}, 1, 5, 1), (std::vector<int>{1, 3, 6, 4, 2}));
+  EXPECT_EQ(finalists_of(kBounded, space, trials, expected, 1, {.count = 2, .kinds = 1}),
+            (std::vector<int>{1, 3, 2}));
+  EXPECT_EQ(finalists_of(kBounded, space, trials, {}, 1, {.count = 5, .kinds = 1}),
+            (std::vector<int>{1, 3, 6, 4, 2}));
 }
 
 TEST(SearchResult, ExpectsOfNoisyDesignsWhatTheyTrulyAre) {

@@ -96,12 +96,13 @@ TEST(LikelyFeasible, IsWhatIsExpectedToKeepLimitsAndNotWhatWasSeenTo) {
   EXPECT_EQ(expected_best(kMostGain, kFour, told, rows), 2);
   EXPECT_EQ(expected_best(kMostGain, kFour, told, rows, kOfThree), 1);
   const SearchSpace space = test::box(1, 0, 1);
-  EXPECT_EQ(finalists_of(kMostGain, space, kFour, {}, 1, 4, std::nullopt, kOfThree),
+  EXPECT_EQ(finalists_of(kMostGain, space, kFour, {}, 1, {.count = 4}, kOfThree),
             (std::vector<int>{1, 3, 4}));
-  EXPECT_EQ(finalists_of(kMostGain, space, kFour, {}, 2, 4, std::nullopt, kOfThree),
+  EXPECT_EQ(finalists_of(kMostGain, space, kFour, {}, 2, {.count = 4}, kOfThree),
             (std::vector<int>{2, 1, 3, 4}))
       << "the first in any case";
-  EXPECT_EQ(finalists_of(kMostGain, space, kFour, {}, 2, 4), (std::vector<int>{2, 3, 4}));
+  EXPECT_EQ(finalists_of(kMostGain, space, kFour, {}, 2, {.count = 4}),
+            (std::vector<int>{2, 3, 4}));
 }
 
 TEST(LikelyFeasible, IsWhatMostProbablyIsWhereNoneIsExpectedTo) {

@@ -224,7 +224,8 @@ std::string check_text(const AccuracyCheck& check, double share) {
   parts.push_back(
       fmt::format("Checking took {:.1f} % of the search's counted work.", 100.0 * share));
   if (count_beyond(check.during) + count_beyond(check.designs) > 0) {
-    parts.push_back("The bounds do not hold here: ask for less, or for a confidence closer to 1.");
+    parts.emplace_back(
+        "The bounds do not hold here: ask for less, or for a confidence closer to 1.");
   }
   return join(parts, " ");
 }

@@ -246,7 +246,7 @@ Outcome recorded_trial(const AccuracyTask& task,
   if (task.interrupt != nullptr && *task.interrupt > 0) {
     throw EvaluationAborted();
   }
-  const Outcome outcome = evaluated(task, overrides_of(task.study, trial.point), rung);
+  Outcome outcome = evaluated(task, overrides_of(task.study, trial.point), rung);
   record.keep(rung.name, trial_name(trial.number), trial.point, outcome);
   if (task.on_evaluation) {
     task.on_evaluation();

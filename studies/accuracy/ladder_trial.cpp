@@ -341,7 +341,7 @@ class LadderTrial {
       }
       for (std::size_t step = 0; step < task_.steps.size(); ++step) {
         if (task_.steps[step].group == group) {
-          choice_.steps[step].skipped = fmt::format("\"{}\" differs from \"{}\" by too much",
+          choice_.steps[step].skipped = fmt::format(R"("{}" differs from "{}" by too much)",
                                                     task_.steps[first].name,
                                                     task_.steps[reference].name);
         }

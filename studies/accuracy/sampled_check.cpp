@@ -39,7 +39,7 @@ bool is_worthwhile(double sampled, double whole) {
 
 /// Under this name the record keeps what the squares told.
 std::string sample_name(const RenderRung& cheap, const RenderRung& dearer) {
-  return fmt::format("pixels of \"{}\" and \"{}\"", cheap.name, dearer.name);
+  return fmt::format(R"(pixels of "{}" and "{}")", cheap.name, dearer.name);
 }
 
 std::optional<std::vector<SampledSquare>> squares_at(const AccuracyTask& task,
@@ -65,7 +65,7 @@ std::optional<std::vector<SampledSquare>> squares_at(const AccuracyTask& task,
 Outcome sampled_outcome(const ChosenAccuracy& part,
                         const Trial& trial,
                         const std::optional<std::vector<SampledSquare>>& squares) {
-  const Outcome untold = {.is_failed = true, .message = "the whole picture is needed"};
+  Outcome untold = {.is_failed = true, .message = "the whole picture is needed"};
   if (!squares) {
     return untold;
   }

@@ -271,12 +271,12 @@ void SearchReview::check_up_to(std::span<const Trial> told) {
 }
 
 /// Whether one of the checks that one more trial pays for ends the epoch.
-bool SearchReview::is_beyond_with(const Trial& told, Part& part) {
+bool SearchReview::is_beyond_with(const Trial& trial, Part& part) {
   const RenderRung* second = second_rung(part.chosen);
   if (second == nullptr) {
     return false;
   }
-  part.queue.add(told);
+  part.queue.add(trial);
   part.count += 1.0;
   const double allowed =
       part.count < kUncheckedEvaluations ? 0.0 : kCheckShare * part.count * part.chosen.rung().work;

@@ -189,7 +189,7 @@ void check_names(const std::vector<ViewTask>& tasks) {
     for (std::size_t j = 0; j < i; ++j) {
       if (folder_name_of(tasks[i].name) == folder_name_of(tasks[j].name)) {
         throw ConfigError(fmt::format(
-            "views: \"{}\" and \"{}\" have the same folder", tasks[j].name, tasks[i].name));
+            R"(views: "{}" and "{}" have the same folder)", tasks[j].name, tasks[i].name));
       }
     }
   }

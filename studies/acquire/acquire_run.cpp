@@ -30,15 +30,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-const std::array<std::string, 9> kNames = {"acquired.json",
-                                           "poses.csv",
-                                           "views",
-                                           "rejected",
-                                           "scene.toml",
-                                           "cell.toml",
-                                           "calibration.toml",
-                                           "journal.sqlite",
-                                           "run.json"};
+const std::array<std::string, 9> result_names = {"acquired.json",
+                                                 "poses.csv",
+                                                 "views",
+                                                 "rejected",
+                                                 "scene.toml",
+                                                 "cell.toml",
+                                                 "calibration.toml",
+                                                 "journal.sqlite",
+                                                 "run.json"};
 
 /// Everything that is read before anything is connected.
 struct Prepared {
@@ -78,8 +78,8 @@ Prepared prepare(const AcquireOptions& options) {
   ready.folder = options.out.empty()
                      ? default_result_folder(parent.filename().string(), ResultKind::kAcquire)
                      : options.out;
-  check_result_folder(ready.folder, ResultKind::kAcquire, kNames);
-  check_inputs_kept(files_read(ready, options.source), ready.folder, kNames);
+  check_result_folder(ready.folder, ResultKind::kAcquire, result_names);
+  check_inputs_kept(files_read(ready, options.source), ready.folder, result_names);
   ready.digest = digest_in(ready.folder, ready.work, ready.source, ready.cell);
   return ready;
 }

@@ -105,7 +105,7 @@ MountedPrototypes MountedPrototypes::beside(const fs::path& source,
                                             const fs::path& made_from) {
   const PlanOrigin origin = origin_of(made_from.empty() ? source : made_from);
   if (origin.run.empty()) {
-    return MountedPrototypes({}, mounted);
+    return {{}, mounted};
   }
   const fs::path folder = acquire_detail::design_folder(origin.scene).parent_path();
   std::vector<Design> designs = acquire_detail::designs_in(origin.run, folder);

@@ -60,7 +60,7 @@ std::string digest_in(const fs::path& folder,
                       const AcquireWork& work,
                       const AcquireSource& source,
                       const Cell& cell) {
-  const std::string now = plan_digest(work, source, cell);
+  std::string now = plan_digest(work, source, cell);
   const std::string known = recorded_digest(folder);
   if (!source.scene || known.empty() || known == now) {
     return now;

@@ -19,6 +19,6 @@ namespace glint {
 /// @return what calibration.json holds, "report" and "folder"
 /// @throws ConfigError for wrong input and for pictures that do not suffice, IoError; nothing is
 ///         left behind
-nlohmann::ordered_json calibrate_pictures(const CalibrateOptions& options);
+nlohmann::ordered_json calibrate_pictures(const CalibrateOptions& given);
 
 }  // namespace glint

@@ -56,7 +56,8 @@ bool is_in_hand(const PlacingRig& rig) {
 /// base_from_flange of pictures; where the camera is in the cell they do not matter.
 std::vector<Isometry3d> flanges_of(const PlacingRig& rig, const CalibrateOptions& options) {
   if (!is_in_hand(rig)) {
-    return std::vector<Isometry3d>(options.pictures.size(), Isometry3d::Identity());
+    std::vector<Isometry3d> unused(options.pictures.size(), Isometry3d::Identity());
+    return unused;
   }
   if (options.poses.empty()) {
     throw ConfigError(

@@ -32,7 +32,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
-const std::array<std::string, 3> kPlaceFiles = {"placement.toml", "placement.json", "run.json"};
+const std::array<std::string, 3> place_files = {"placement.toml", "placement.json", "run.json"};
 
 /// Keys of --set place.; 0: from what remains.
 struct PlaceSettings {
@@ -244,7 +244,7 @@ std::vector<fs::path> files_placed(const std::vector<PlaceInput>& inputs) {
 void check_files(const std::vector<PlaceInput>& inputs,
                  const CalibrateOptions& options,
                  const fs::path& out) {
-  check_result_folder(out, ResultKind::kPlace, kPlaceFiles);
+  check_result_folder(out, ResultKind::kPlace, place_files);
   std::vector<fs::path> files = options.pictures;
   files.insert(files.end(), options.poses.begin(), options.poses.end());
   files.push_back(options.board);
@@ -252,7 +252,7 @@ void check_files(const std::vector<PlaceInput>& inputs,
     files.push_back(input.file);
     files.insert(files.end(), input.poses.begin(), input.poses.end());
   }
-  check_inputs_kept(files, out, kPlaceFiles);
+  check_inputs_kept(files, out, place_files);
   if (options.out.empty()) {
     check_source_of_folder(out, files_placed(inputs));
   }

@@ -34,7 +34,7 @@ namespace {
 using Eigen::Isometry3d;
 using Json = nlohmann::ordered_json;
 
-const std::array<std::string, 4> kPlanFiles = {"poses.csv", "poses.toml", "plan.json", "run.json"};
+const std::array<std::string, 4> plan_files = {"poses.csv", "poses.toml", "plan.json", "run.json"};
 
 PlanSettings plan_settings(const std::vector<KeyValue>& sets) {
   ConfigNode root = ConfigNode::table();
@@ -311,8 +311,8 @@ Json plan_poses(const PosePlanOptions& options) {
       options.out.empty()
           ? default_result_folder(stem.empty() ? "camera" : stem.string(), ResultKind::kPlan)
           : options.out;
-  check_result_folder(out, ResultKind::kPlan, kPlanFiles);
-  check_inputs_kept(std::array{options.board, options.camera}, out, kPlanFiles);
+  check_result_folder(out, ResultKind::kPlan, plan_files);
+  check_inputs_kept(std::array{options.board, options.camera}, out, plan_files);
   if (options.out.empty()) {
     check_source_of_folder(out, {options.camera});
   }

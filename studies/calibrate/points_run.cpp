@@ -83,7 +83,8 @@ std::vector<Eigen::Isometry3d> cameras_of(const KnownCalibration& known,
                     known.file.string()));
   }
   if (*known.mounting == Mounting::kEyeToHand) {
-    return std::vector<Eigen::Isometry3d>(options.pictures.size(), known.poses.hand_eye);
+    std::vector<Eigen::Isometry3d> all(options.pictures.size(), known.poses.hand_eye);
+    return all;
   }
   if (options.poses.empty()) {
     throw ConfigError(

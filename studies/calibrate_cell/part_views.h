@@ -19,10 +19,11 @@ namespace glint::calibrate_cell_detail {
 /// The scene with camera and hand-eye of a calibration, and at least three viewpoints listed: its
 /// own, and where they are fewer four around the first one, tilted by 20 degrees about the point
 /// that it looks at.
+/// @param file         of the scene
 /// @param calibration  folder of a calibration
 /// @throws ConfigError where the scene does not tell about where the part lies, or the camera is
 ///         not on the flange; IoError
-SceneSettings part_scene(const std::filesystem::path& scene,
+SceneSettings part_scene(const std::filesystem::path& file,
                          const std::filesystem::path& calibration);
 
 /// Four views around one.

@@ -73,8 +73,9 @@ OverlapError overlap_error(const CameraOnRobot& truth,
     const RigidTransform view = camera_from_board(truth, pose);
     const RigidTransform estimated_view = camera_from_board(estimate, pose);
     for (int i = 0; i < kGrid * kGrid; ++i) {
+      const int row = i / kGrid;
       const Vector2d pixel =
-          size_px.cwiseProduct(Vector2d(i % kGrid + 0.5, i / kGrid + 0.5)) / double{kGrid};
+          size_px.cwiseProduct(Vector2d(i % kGrid + 0.5, row + 0.5)) / double{kGrid};
       const auto point = point_on_board_mm(camera, view, pixel);
       const auto seen = point ? estimated.project(estimated_view * *point) : std::nullopt;
       if (!seen) {

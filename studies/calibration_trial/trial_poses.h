@@ -25,9 +25,8 @@ struct CameraOnRobot {
 RigidTransform camera_from_board(const CameraOnRobot& truth,
                                  const RigidTransform& base_from_flange);
 
-/// The pose of the flange at which the camera sees the board so.
-RigidTransform base_from_flange(const CameraOnRobot& truth,
-                                const RigidTransform& camera_from_board);
+/// The pose of the flange at which the camera sees the board so. @param view  camera from board
+RigidTransform base_from_flange(const CameraOnRobot& truth, const RigidTransform& view);
 
 /// One picture's pose of the flange.
 struct TrialPose {

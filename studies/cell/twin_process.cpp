@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/cell/twin_process.h"
 
-#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

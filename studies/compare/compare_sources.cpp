@@ -38,7 +38,7 @@ fs::path picture_of_view(const fs::path& folder) {
   constexpr std::array<const char*, 4> kNames = {
       "image.tif", "image.png", "aspect.png", "aspect.exr"};
   for (const char* name : kNames) {
-    const fs::path file = if_there(folder / name);
+    fs::path file = if_there(folder / name);
     if (!file.empty()) {
       return file;
     }

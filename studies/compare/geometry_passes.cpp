@@ -99,7 +99,7 @@ fs::path GeometryPasses::render(const fs::path& scene) {
   if (!folder_) {
     folder_.emplace("the geometry of views");
   }
-  const fs::path file = folder_->path() / fmt::format("geometry_{}.exr", num_rendered_++);
+  fs::path file = folder_->path() / fmt::format("geometry_{}.exr", num_rendered_++);
   write_geometry(render_geometry(store_, load_scene(scene), kSamples), file);
   return file;
 }

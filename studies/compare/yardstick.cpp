@@ -192,9 +192,9 @@ std::vector<const TextureSample*> YardstickPictures::photographs(bool is_copy) c
   std::vector<const TextureSample*> all;
   std::vector<const TextureSample*> list;
   for (const auto& [key, sample] : reals_) {
-    const bool is_repeated = std::ranges::any_of(all, [&](const TextureSample* earlier) {
-      return earlier->grey.values() == sample.grey.values();
-    });
+    const auto& values = sample.grey.values();
+    const bool is_repeated = std::ranges::any_of(
+        all, [&values](const TextureSample* earlier) { return earlier->grey.values() == values; });
     all.push_back(&sample);
     if (is_repeated == is_copy) {
       list.push_back(&sample);

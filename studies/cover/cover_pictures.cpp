@@ -85,7 +85,8 @@ class Painter {
         kDimmest + (1.0 - kDimmest) * std::clamp(1.3 * static_cast<double>(shade), 0.0, 1.0);
     std::array<double, 3> sum = {};
     for (int i = 0; i < kSide * kSide; ++i) {
-      const Vector2d at(x + (i % kSide + 0.5) / kSide, y + (i / kSide + 0.5) / kSide);
+      const int row = i / kSide;
+      const Vector2d at(x + (i % kSide + 0.5) / kSide, y + (row + 0.5) / kSide);
       const auto ray = camera.ray_through(at);
       const Hit hit = ray ? bvh_.intersect(world_from_camera.translation_mm,
                                            world_from_camera.rotation * *ray,

@@ -27,7 +27,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-const std::array<std::string, 6> kFiles = {
+const std::array<std::string, 6> result_names = {
     "coverage.ply", "views.csv", "result.json", "report.html", "run.json", "study.resolved.toml"};
 
 class CoverRun {
@@ -36,9 +36,9 @@ class CoverRun {
       : study_(scene_study(study)), options_(options), pool_(options.threads), store_(pool_) {}
 
   Json execute() {
-    check_result_folder(options_.out, ResultKind::kCover, kFiles);
+    check_result_folder(options_.out, ResultKind::kCover, result_names);
     check_study_of_folder(options_.out, study_.name);
-    check_inputs_kept(input_files(study_), options_.out, kFiles);
+    check_inputs_kept(input_files(study_), options_.out, result_names);
     const std::optional<PodReference> pod = reference();
     const SceneCoverage covered = cover();
     Json result = coverage_json(covered, study_.scene.coverage, pod);

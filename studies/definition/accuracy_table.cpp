@@ -20,7 +20,7 @@ constexpr double kHundredth = 0.01;
 constexpr const char* kResolution = "camera.width_px";
 constexpr const char* kReflections = "render.paths.max_reflections";
 constexpr std::string_view kAllowedTolerance =
-    "a number > 0 in the score's own unit, \"2 %\" of its value, or \"0.1 points\" (hundredths)";
+    R"(a number > 0 in the score's own unit, "2 %" of its value, or "0.1 points" (hundredths))";
 
 /// The number that a text begins with, and the word behind it.
 struct NumberAndWord {
@@ -95,7 +95,7 @@ void read_tolerance(const ConfigNode& table,
         {.kind = Problem::Kind::kOutOfRange,
          .place = node != nullptr ? node->place : table.place,
          .key = "accuracy.tolerance",
-         .text = fmt::format("{}, must be \"auto\" or a table {{ \"name of a score\" = {} }}",
+         .text = fmt::format(R"({}, must be "auto" or a table {{ "name of a score" = {} }})",
                              node == nullptr ? "is missing" : "is " + shown(*node),
                              kAllowedTolerance)});
   }
@@ -306,7 +306,7 @@ std::vector<KeyRow> accuracy_keys() {
   std::vector<KeyRow> rows;
   rows.push_back({.path = "accuracy.tolerance",
                   .kind = "tolerance",
-                  .allowed = fmt::format("\"auto\" or {{ \"score\" = {} }}", kAllowedTolerance),
+                  .allowed = fmt::format(R"("auto" or {{ "score" = {} }})", kAllowedTolerance),
                   .default_text = "none",
                   .doc = "how wrong scores may be in a search: the program takes the cheapest way "
                          "to render that keeps it; \"auto\": the cheapest that ranks designs "

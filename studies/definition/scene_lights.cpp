@@ -35,9 +35,8 @@ LightType light_type_of(const ConfigNode& table, const std::string& name) {
 /// What is wrong with a light whose type nobody gave may be that it is no tunnel.
 void explain_guess(std::span<Problem> problems) {
   for (Problem& problem : problems) {
-    problem.text +=
-        fmt::format("; no type, so it is read as a tunnel; types are \"tunnel\", \"{}\"",
-                    fmt::join(light_types(), "\", \""));
+    problem.text += fmt::format(R"(; no type, so it is read as a tunnel; types are "tunnel", "{}")",
+                                fmt::join(light_types(), "\", \""));
   }
 }
 
@@ -83,8 +82,7 @@ void read_light(const ConfigNode& table,
     reader.error(
         table.find("type"),
         "type",
-        fmt::format(
-            "is \"{}\", must be \"tunnel\", \"{}\"", type, fmt::join(light_types(), "\", \"")),
+        fmt::format(R"(is "{}", must be "tunnel", "{}")", type, fmt::join(light_types(), "\", \"")),
         Problem::Kind::kOutOfRange);
     return;  // without the type no key can be judged
   }
@@ -131,7 +129,7 @@ std::string use_problem(const std::vector<std::string>& used,
                         const std::vector<std::string>& known) {
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (std::ranges::find(known, used[i]) == known.end()) {
-      return fmt::format("\"{}\" is no light; allowed are \"all\" and sets of {} like \"{}\"",
+      return fmt::format(R"("{}" is no light; allowed are "all" and sets of {} like "{}")",
                          used[i],
                          fmt::join(known, ", "),
                          fmt::join(known, "+"));
@@ -182,7 +180,7 @@ void read_lighting_use(const ConfigNode& root,
     errors.push_back({.kind = Problem::Kind::kWrongType,
                       .place = use->place,
                       .key = name,
-                      .text = "must be \"all\" or names of lights like \"ring+dome\""});
+                      .text = R"(must be "all" or names of lights like "ring+dome")"});
     return;
   }
   scene.lighting_use = use->text;
@@ -191,7 +189,7 @@ void read_lighting_use(const ConfigNode& root,
 KeyRow lighting_use_key() {
   return {.path = "lighting_use",
           .kind = "text",
-          .allowed = "\"all\", or names of tables below [lighting] like \"ring+dome\"",
+          .allowed = R"("all", or names of tables below [lighting] like "ring+dome")",
           .default_text = "\"all\"",
           .doc = "which lights shine; the others are checked and not built"};
 }

@@ -179,12 +179,12 @@ std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& sc
   notes.push_back(rendering_note(scene));
   const auto mean = scores.find("homogeneity.mean");
   if (mean != scores.end() && mean->second <= 0.0) {
-    notes.push_back(
+    notes.emplace_back(
         "No light reaches the part in this picture: check the lights' positions, "
         "directions and powers.");
   }
   if (scene.viewpoints.size() > 1) {
-    notes.push_back("Scores are those of the first viewpoint.");
+    notes.emplace_back("Scores are those of the first viewpoint.");
   }
   const auto value = scores.find("homogeneity.h_rms");
   const auto error = scores.find("homogeneity.h_rms.error");

@@ -366,7 +366,7 @@ std::vector<KeyRow> goal_keys() {
   add("objective.weight",
       "number",
       "> 0",
-      "of [[objective]]: its part in choice.by = \"weights\" and \"aspirations\"; 1 without it");
+      R"(of [[objective]]: its part in choice.by = "weights" and "aspirations"; 1 without it)");
   rows.back().range = Range::positive();
   ChoiceRule rule = ChoiceRule::kKnee;
   KeyLister lister("choice", rows);

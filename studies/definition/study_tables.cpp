@@ -25,7 +25,7 @@ void collect_paths(const ConfigNode& node, const std::string& path, std::vector<
   }
   for (std::size_t i = 0; i < node.items.size(); ++i) {
     const std::string name = node.is_table() ? node.names[i] : fmt::format("{}", i);
-    collect_paths(node.items[i], path.empty() ? name : path + "." + name, out);
+    collect_paths(node.items[i], path.empty() ? name : fmt::format("{}.{}", path, name), out);
   }
 }
 
@@ -69,11 +69,11 @@ void visit_search(KeyVisitor& keys, SearchSettings& s, bool& has_needed_scores_o
 void visit_budget(KeyVisitor& keys, Budget& b) {
   keys.integer("evaluations", b.evaluations, Range::between(0, 100000000), "0 = no limit");
   std::string text = b.wall_clock_s > 0.0 ? shortest(b.wall_clock_s) + "s" : "0s";
-  keys.text("wall_clock", text, "like \"40s\", \"30m\", \"8h\"; \"0s\" = no limit");
+  keys.text("wall_clock", text, R"(like "40s", "30m", "8h"; "0s" = no limit)");
   const auto seconds = parse_duration_s(text);
   keys.require(seconds.has_value(),
                "wall_clock",
-               fmt::format("is \"{}\", must be a duration like \"40s\", \"30m\" or \"8h\"", text));
+               fmt::format(R"(is "{}", must be a duration like "40s", "30m" or "8h")", text));
   b.wall_clock_s = seconds.value_or(0.0);
   keys.integer("stall",
                b.stall,
@@ -135,7 +135,7 @@ void read_condition(const ConfigNode& node, Variable& variable, std::vector<Prob
     errors.push_back({.place = node.place,
                       .context = "variables",
                       .key = variable.name,
-                      .text = "when must be \"path == value\" or \"path in [value, value]\""});
+                      .text = R"(when must be "path == value" or "path in [value, value]")"});
     return;
   }
   variable.when_value = values.front();
@@ -412,7 +412,7 @@ std::vector<KeyRow> study_keys() {
   };
   add("variables.\"path.to.key\"",
       "table",
-      "{ min, max, step, log } or { choices }, and when = \"path == value\" or \"path in [..]\"",
+      R"({ min, max, step, log } or { choices }, and when = "path == value" or "path in [..]")",
       "a numeric, boolean or choice key of the scene that the search may change");
   add("prototypes.<name>.\"path.to.key\"",
       "any",

@@ -101,18 +101,16 @@ View view_of(const Box& box, double scale, double top) {
 }
 
 std::string stroke(std::string_view colour, double width, std::string_view more = "") {
-  return fmt::format(
-      "fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}{}",
-      colour,
-      width,
-      more.empty() ? "" : " ",
-      more);
+  return fmt::format(R"(fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round"{}{})",
+                     colour,
+                     width,
+                     more.empty() ? "" : " ",
+                     more);
 }
 
 std::string filled(std::string_view colour) {
-  return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1\" stroke-linejoin=\"round\"",
-                     colour,
-                     kDrawingInk);
+  return fmt::format(
+      R"(fill="{}" stroke="{}" stroke-width="1" stroke-linejoin="round")", colour, kDrawingInk);
 }
 
 void draw_camera(SvgPage& page, const Vector2d& at, const Vector2d& view) {
@@ -123,7 +121,7 @@ void draw_camera(SvgPage& page, const Vector2d& at, const Vector2d& view) {
                 at + near * view - half * side,
                 at + far * view - half * side,
                 at + far * view + half * side},
-               fmt::format("fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"1.3\"", kDrawingInk));
+               fmt::format(R"(fill="#ffffff" stroke="{}" stroke-width="1.3")", kDrawingInk));
   };
   block(0.0, -6.0, 6.0);
   block(-6.0, -20.0, 9.0);
@@ -255,7 +253,7 @@ void draw_stripes(SvgPage& page, const CrossSection& section, const View& view, 
     }
     if (box_of(stripe).size().minCoeff() > 1e-9) {  // not cut away, nor down to a line
       page.shape(
-          "polygon", view(stripe), fmt::format("class=\"stripe\" fill=\"{}\"", kDrawingLight));
+          "polygon", view(stripe), fmt::format(R"(class="stripe" fill="{}")", kDrawingLight));
     }
   }
 }
@@ -362,7 +360,7 @@ std::string cross_section_svg(const CrossSection& section) {
     height = page.lines({kDrawingMargin, 20.0},
                         {section.title},
                         kTitleWidth,
-                        "font-size=\"14\" font-weight=\"bold\"") -
+                        R"(font-size="14" font-weight="bold")") -
              4.0;
   }
   const double scale = cross_section_scale(section);

@@ -63,7 +63,7 @@ struct Extent {
 };
 
 std::string light_stroke(std::string_view colour, double width, std::string_view more = "") {
-  return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\" {}",
+  return fmt::format(R"(fill="none" stroke="{}" stroke-width="{}" stroke-linejoin="round" {})",
                      colour,
                      width,
                      more);
@@ -88,7 +88,7 @@ void draw_camera_of_lights(SvgPage& page, const Vector2d& at, const Vector2d& aw
                 at + near * away - half * side,
                 at + far * away - half * side,
                 at + far * away + half * side},
-               fmt::format("fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"1.3\"", kDrawingInk));
+               fmt::format(R"(fill="#ffffff" stroke="{}" stroke-width="1.3")", kDrawingInk));
   };
   block(0.0, 6.0, 6.0);
   block(6.0, 20.0, 9.0);
@@ -205,7 +205,7 @@ struct Sheet {
 void draw_part(SvgPage& page, const PlaneLine& part, const LightView& view) {
   page.shape("polygon",
              view(part),
-             fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1\" stroke-linejoin=\"round\"",
+             fmt::format(R"(fill="{}" stroke="{}" stroke-width="1" stroke-linejoin="round")",
                          kDrawingPart,
                          kDrawingInk));
 }
@@ -222,7 +222,7 @@ std::string area_lights_svg(const SceneSettings& scene,
     head = page.lines({kDrawingMargin, 20.0},
                       {title},
                       kLightTitleWidth,
-                      "font-size=\"14\" font-weight=\"bold\"") +
+                      R"(font-size="14" font-weight="bold")") +
            8.0;
   }
   page.text({kDrawingMargin, head},

@@ -42,9 +42,9 @@ DrawingPlane drawing_plane(const PhysicalScene& scene);
 
 /// Rings and domes are cut where the plane meets them near their middle, all others, and those that
 /// it does not meet, are seen from the side.
-LightLines light_lines_in(const PhysicalScene& scene, const DrawingPlane& plane);
+LightLines light_lines_in(const PhysicalScene& scene, const DrawingPlane& section);
 
 /// The convex hull of the part's shadow.
-PlaneLine part_outline(const TriangleMesh& mesh, const DrawingPlane& plane);
+PlaneLine part_outline(const TriangleMesh& mesh, const DrawingPlane& section);
 
 }  // namespace glint

@@ -30,7 +30,7 @@ std::string coordinate(double value) {
 }
 
 std::string thin_line(double width) {
-  return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"", kDrawingSoft, width);
+  return fmt::format(R"(fill="none" stroke="{}" stroke-width="{}")", kDrawingSoft, width);
 }
 
 /// Turns a direction into the angle in [-90, 90) at which words along it are upright or, on a
@@ -177,7 +177,7 @@ void SvgPage::break_mark(const Vector2d& at, const Vector2d& direction, double h
                                  Vector2d(0.1, -4.0),
                                  Vector2d(0.25, 0.0),
                                  Vector2d(1.0, 0.0)}) {
-      points.push_back(at + knee.x() * side + (shift + knee.y()) * direction);
+      points.emplace_back(at + knee.x() * side + (shift + knee.y()) * direction);
     }
     return points;
   };
@@ -200,7 +200,7 @@ void SvgPage::scale_bar(const Vector2d& left, double scale) {
   }
   const Vector2d right = left + Vector2d(length_mm * scale, 0.0);
   const Vector2d tick(0.0, 3.0);
-  const std::string thick = fmt::format("stroke=\"{}\" stroke-width=\"2\"", kDrawingInk);
+  const std::string thick = fmt::format(R"(stroke="{}" stroke-width="2")", kDrawingInk);
   line(left, right, thick);
   line(left - tick, left + tick, thick);
   line(right - tick, right + tick, thick);
@@ -237,10 +237,10 @@ std::string SvgPage::document(double width,
                               double unit_mm) const {
   const std::string size =
       unit_mm > 0.0
-          ? fmt::format("width=\"{}mm\" height=\"{}mm\"",
+          ? fmt::format(R"(width="{}mm" height="{}mm")",
                         coordinate(width * unit_mm),
                         coordinate(height * unit_mm))
-          : fmt::format("width=\"{}\" height=\"{}\"", coordinate(width), coordinate(height));
+          : fmt::format(R"(width="{}" height="{}")", coordinate(width), coordinate(height));
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" {5} "
       "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12.5\" "

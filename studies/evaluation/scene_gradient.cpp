@@ -348,7 +348,7 @@ class SceneGradients {
     for (const std::string& path : wanted_.paths) {
       const std::string why = without_derivative(scene_, path);
       if (!why.empty()) {
-        add_remark(path + ": " + why);
+        add_remark(fmt::format("{}: {}", path, why));
       }
     }
     if (detached_pixels_ > 0) {

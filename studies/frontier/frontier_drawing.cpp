@@ -181,15 +181,19 @@ class Chart {
  private:
   void axes() {
     const std::string_view grid = R"(stroke="#dde2e6" stroke-width="1")";
-    for (double power = scale_.low.x(); power <= scale_.high.x() + 0.5; power += 1.0) {
+    double power = scale_.low.x();
+    while (power <= scale_.high.x() + 0.5) {
       const double x = scale_.place({std::pow(10.0, power), 1.0}).x();
       page_.line({x, kTop}, {x, kBottom}, grid);
       page_.text({x, kBottom + 18.0}, power_text(power));
+      power += 1.0;
     }
-    for (double power = scale_.low.y(); power <= scale_.high.y() + 0.5; power += 1.0) {
+    power = scale_.low.y();
+    while (power <= scale_.high.y() + 0.5) {
       const double y = scale_.place({1.0, std::pow(10.0, power)}).y();
       page_.line({kLeft, y}, {kRight, y}, grid);
       page_.text({kLeft - 8.0, y + 4.0}, power_text(power), "end");
+      power += 1.0;
     }
     page_.text({0.5 * (kLeft + kRight), kBottom + 42.0},
                frontier_.reference.method.is_noisy

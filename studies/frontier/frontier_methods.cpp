@@ -145,8 +145,13 @@ SceneSettings noiseless(SceneSettings scene) {
 }
 
 int pixel_factor(const CameraSettings& camera, double max_pixels) {
+  const auto pixels = [&](int factor) {
+    const int cols = camera.width_px / factor;
+    const int rows = camera.height_px / factor;
+    return static_cast<double>(cols) * rows;
+  };
   int factor = 1;
-  while (static_cast<double>(camera.width_px / factor) * (camera.height_px / factor) > max_pixels) {
+  while (pixels(factor) > max_pixels) {
     ++factor;
   }
   return factor;

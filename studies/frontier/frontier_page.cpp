@@ -2,6 +2,7 @@
 #include "studies/frontier/frontier_page.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -178,6 +179,17 @@ Json measure(const Study& study, const FrontierRun& run, Frontier& frontier) {
   return frontier_json(study, frontier);
 }
 
+constexpr std::array<const char*, 4> kPathNotes = {
+    "A method is rendered up to four times with other random numbers; its error is the root of "
+    "the mean square distance of one of these pictures from the reference.",
+    "CPU time is that of one more picture and its scores, summed over threads, part built. The "
+    "first one also pays for building the part.",
+    "Frame error: root of the mean square of grey values, without noise and rounding of the "
+    "sensor, over all frames and all pixels that see the part; pictures of larger pixels are "
+    "enlarged linearly for it. Full scale is 1.",
+    "Contrast error: the worst defect, in the mean image (Weber) or in its best frame (change), "
+    "in per cent of its value but of at least 1 % of full contrast."};
+
 /// How path-traced scenes are measured.
 std::vector<std::string> path_method_notes(const Frontier& frontier) {
   const FrontierReference& reference = frontier.reference;
@@ -188,16 +200,8 @@ std::vector<std::string> path_method_notes(const Frontier& frontier) {
                   "of them (jackknife); what is smaller than it is not told apart.",
                   reference.pictures,
                   reference.method.paths.samples,
-                  reference.method.paths.max_reflections),
-      "A method is rendered up to four times with other random numbers; its error is the root of "
-      "the mean square distance of one of these pictures from the reference.",
-      "CPU time is that of one more picture and its scores, summed over threads, part built. The "
-      "first one also pays for building the part.",
-      "Frame error: root of the mean square of grey values, without noise and rounding of the "
-      "sensor, over all frames and all pixels that see the part; pictures of larger pixels are "
-      "enlarged linearly for it. Full scale is 1.",
-      "Contrast error: the worst defect, in the mean image (Weber) or in its best frame (change), "
-      "in per cent of its value but of at least 1 % of full contrast."};
+                  reference.method.paths.max_reflections)};
+  notes.insert(notes.end(), kPathNotes.begin(), kPathNotes.end());
   if (frontier.pixel_factor > 1) {
     notes.push_back(
         fmt::format("Pictures are reduced to {} x {} px: pixels are {} times as large "
@@ -215,6 +219,17 @@ std::vector<std::string> path_method_notes(const Frontier& frontier) {
   return notes;
 }
 
+constexpr std::array<const char*, 4> kRayNotes = {
+    "CPU time is that of one thread for one more candidate lighting, rays kept: the best of "
+    "several repeats. The first candidate also pays for building the part and tracing.",
+    "Frame error: root of the mean square of radiance over all frames and all pixels that see "
+    "the part; pictures of half resolution are enlarged linearly for it. Full scale is 1.",
+    "Contrast error: the worst defect, in the mean image (Weber) or in its best frame "
+    "(change), in per cent of its value but of at least 1 % of full contrast.",
+    "The own choice is what render.method = \"auto\" does with the scene's "
+    "max_direction_error_mrad. It is no choice of [accuracy], whose rungs for mirrors have "
+    "other errors of directions."};
+
 std::vector<std::string> method_notes(const Frontier& frontier) {
   if (frontier.reference.method.is_noisy) {
     return path_method_notes(frontier);
@@ -222,16 +237,8 @@ std::vector<std::string> method_notes(const Frontier& frontier) {
   std::vector<std::string> notes = {
       fmt::format("Every method is compared with {} rays a pixel by plain sampling at full "
                   "resolution, without noise and quantisation.",
-                  frontier.reference.method.rays_per_px),
-      "CPU time is that of one thread for one more candidate lighting, rays kept: the best of "
-      "several repeats. The first candidate also pays for building the part and tracing.",
-      "Frame error: root of the mean square of radiance over all frames and all pixels that see "
-      "the part; pictures of half resolution are enlarged linearly for it. Full scale is 1.",
-      "Contrast error: the worst defect, in the mean image (Weber) or in its best frame "
-      "(change), in per cent of its value but of at least 1 % of full contrast.",
-      "The own choice is what render.method = \"auto\" does with the scene's "
-      "max_direction_error_mrad. It is no choice of [accuracy], whose rungs for mirrors have "
-      "other errors of directions."};
+                  frontier.reference.method.rays_per_px)};
+  notes.insert(notes.end(), kRayNotes.begin(), kRayNotes.end());
   if (frontier.reference.own_frame_rmse) {
     notes.push_back(fmt::format(
         "The reference's own frame error is about {:.2g}, extrapolated from 16 and 64 rays; below "

@@ -77,11 +77,11 @@ std::vector<double> defect_slopes_rad(const BuiltDefects& part) {
 
 DefectMaker defect_maker(const SceneSettings& scene,
                          const std::shared_ptr<const BuiltPart>& clean) {
-  return DefectMaker(std::shared_ptr<const Part>(clean, &clean->part),
-                     std::shared_ptr<const Bvh>(clean, clean->bvh.get()),
-                     scene.defects,
-                     scene.imprint,
-                     scene.part.crease_rad);
+  return {std::shared_ptr<const Part>(clean, &clean->part),
+          std::shared_ptr<const Bvh>(clean, clean->bvh.get()),
+          scene.defects,
+          scene.imprint,
+          scene.part.crease_rad};
 }
 
 BuiltDefects build_defects(const SceneSettings& scene,

@@ -117,6 +117,6 @@ ImageF channel_radiance(const Film& sums, const FrameFactors& factors, int chann
 /// Of everything that PathPicture depends on but the powers of lights: equal keys, equal pictures.
 /// Of a sum of direct light, whose accuracy is one of grey values, their power of 2 counts.
 /// Segment powers of a light without separate_segments count, as they share one group.
-std::string picture_key(const SceneSettings& scene, const Viewpoint& viewpoint);
+std::string picture_key(const SceneSettings& wanted, const Viewpoint& viewpoint);
 
 }  // namespace glint

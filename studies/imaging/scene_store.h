@@ -40,7 +40,7 @@ class SceneStore {
   void leave_out_scores() { may_be_unseen_ = MayBeUnseen::kPart; }
 
   /// @throws ConfigError beginning with the key at fault, IoError
-  std::shared_ptr<const TracedScene> trace(const SceneSettings& scene);
+  std::shared_ptr<const TracedScene> trace(const SceneSettings& wanted);
   std::shared_ptr<const BuiltPart> build(const SceneSettings& scene);
 
   /// The scene's part with its defects; made once for the same part, groups and seed.

@@ -114,8 +114,9 @@ class DefectPatch {
   /// The terms of the quadratic at a pixel.
   Row row_of(std::size_t i) const {
     const auto width = static_cast<std::size_t>(width_);
+    const std::size_t row_of_pixel = i / width;
     const Vector2d at(left_ + static_cast<double>(i % width) + 0.5,
-                      top_ + static_cast<double>(i / width) + 0.5);
+                      top_ + static_cast<double>(row_of_pixel) + 0.5);
     const Vector2d off = to_unit_ * (at - middle_);
     Row row;
     row << 1.0, off.x(), off.y(), off.x() * off.x(), off.x() * off.y(), off.y() * off.y();

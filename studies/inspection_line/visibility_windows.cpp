@@ -156,7 +156,8 @@ std::vector<double> squared_dprimes(std::span<const DefectWindow> defects,
   };
 
   if (background.size() < 2) {
-    return std::vector<double>(defects.size(), 0.0);
+    std::vector<double> zeros(defects.size(), 0.0);
+    return zeros;
   }
   const auto pairs = pool.map<Pair>(static_cast<std::int64_t>(defects.size()), [&](std::int64_t i) {
     const DefectWindow& one = defects[static_cast<std::size_t>(i)];

@@ -121,7 +121,7 @@ class Fields {
   }
 
   JointVector joints_rad(const std::string& key, const Json& value) const {
-    const JointVector joints = six(key, value) * kRadPerDeg;
+    JointVector joints = six(key, value) * kRadPerDeg;
     if (!(joints.cwiseAbs().maxCoeff() <= 2.0 * kPi + 1e-9)) {
       fail(key, "must be angles in [-360, 360] degrees");
     }

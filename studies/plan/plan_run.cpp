@@ -32,7 +32,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kPictureSide_px = 480;
 constexpr int kColumns = 3;
-const std::array<std::string, 7> kFiles = {
+const std::array<std::string, 7> result_names = {
     "plan.json", "plan.csv", "scene.toml", "cell.toml", "pictures", "report.html", "run.json"};
 
 class PlanRun {
@@ -44,11 +44,11 @@ class PlanRun {
         cell_(read_cell(options.cell)) {}
 
   Json execute() {
-    check_result_folder(options_.out, ResultKind::kViewPlan, kFiles);
+    check_result_folder(options_.out, ResultKind::kViewPlan, result_names);
     check_study_of_folder(options_.out, study_.name);
     std::vector<fs::path> inputs = input_files(study_);
     inputs.push_back(options_.cell);
-    check_inputs_kept(inputs, options_.out, kFiles);
+    check_inputs_kept(inputs, options_.out, result_names);
     made_ = plan();
     const PlanFile file = {.plan = made_.plan,
                            .scene = "scene.toml",

@@ -45,7 +45,7 @@ std::string size_text(int width, int height) {
 }
 
 /// A picture of read_fitting() in the camera's pixels.
-ImageF as_taken_by(const CameraSettings& camera, ImageF picture) {
+ImageF as_taken_by(const CameraSettings& camera, const ImageF& picture) {
   const int factor = picture.width() / camera.width_px;
   return factor > 1 ? reduce(picture, factor) : picture;
 }

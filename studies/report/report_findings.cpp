@@ -309,7 +309,7 @@ void add_open_limits(const Json& data, const Json& design, std::vector<Finding>&
 }  // namespace
 
 Wording defect_wording(const Json& data) {
-  const Wording objective(data);
+  Wording objective(data);
   if (is_about_defects(objective.score())) {
     return objective;
   }

@@ -25,9 +25,9 @@ using Json = nlohmann::ordered_json;
 namespace report_detail {
 
 const Json& member(const Json& object, const char* name) {
-  static const Json kNone;
+  static const Json none;
   const auto found = object.is_object() ? object.find(name) : object.end();
-  return object.is_object() && found != object.end() ? *found : kNone;
+  return object.is_object() && found != object.end() ? *found : none;
 }
 
 std::string text_of(const Json& object, const char* name) {

@@ -149,7 +149,7 @@ Wording::Wording(const Json& data, std::string score, bool is_maximised)
 Wording Wording::of_score(const std::string& score) {
   Json data;
   data["score_info"][score] = score_words(score);
-  return Wording(data, score, true);
+  return {data, score, true};
 }
 
 std::optional<double> Wording::value(const Json& design) const {
@@ -244,7 +244,7 @@ std::string Wording::against(double value, double other) const {
 }
 
 std::string role_of(const Json& design) {
-  const std::string role = text_of(design, "role");
+  std::string role = text_of(design, "role");
   const std::string key = text_of(design, "key");
   if (!role.empty()) {
     return role;

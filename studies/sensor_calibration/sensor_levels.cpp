@@ -121,7 +121,7 @@ std::vector<LevelFiles> parse_levels_txt(std::string_view text, const fs::path& 
                         place));
       }
       levels.back().pictures.push_back(file.parent_path() /
-                                       with_slashes(line.substr(line.find("i") + 2)));
+                                       with_slashes(line.substr(line.find('i') + 2)));
     }
   }
   check_levels(levels, file);

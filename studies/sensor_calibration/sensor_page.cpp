@@ -98,7 +98,7 @@ std::string with_unit(const Json& value, const char* unit) {
 
 /// The figures of a data sheet after EMVA 1288.
 Json figures_table(const Json& result, const PhotonTransfer& transfer) {
-  const Json efficiency = result["quantum_efficiency"];
+  const Json& efficiency = result["quantum_efficiency"];
   return {
       {"caption", ""},
       {"head", {"figure", "value", "what it is"}},

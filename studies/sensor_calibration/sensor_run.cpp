@@ -30,7 +30,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const std::array<std::string, 6> kNames = {
+const std::array<std::string, 6> result_names = {
     "sensor.toml", "sensor.json", "levels.csv", "flat_field.exr", "report.html", "run.json"};
 
 /// A picture's codes as its file holds them, and the bits that any of them sets.
@@ -293,8 +293,8 @@ Json calibrate_sensor(const SensorOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const std::string started = utc_text(std::chrono::system_clock::now());
   const fs::path out = out_of(options);
-  check_result_folder(out, ResultKind::kSensor, kNames);
-  check_inputs_kept(std::array<fs::path, 1>{options.folder / "levels.csv"}, out, kNames);
+  check_result_folder(out, ResultKind::kSensor, result_names);
+  check_inputs_kept(std::array<fs::path, 1>{options.folder / "levels.csv"}, out, result_names);
   if (options.out.empty()) {
     check_source_of_folder(out, {options.folder});
   }

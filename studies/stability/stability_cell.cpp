@@ -207,12 +207,14 @@ std::vector<CellError> errors_of_bar(const Outcome& outcome, const Bounds& bound
   std::vector<double> right;
   std::vector<char> region;
   for (int i = 0; i < scene.camera.width_px * scene.camera.height_px; ++i) {
+    const int row = i / scene.camera.width_px;
     const double left = i % scene.camera.width_px - 0.5 * scene.camera.width_px;
-    const double up = 0.5 * scene.camera.height_px - i / scene.camera.width_px;
+    const double up = 0.5 * scene.camera.height_px - row;
     double sum = 0.0;
     for (int s = 0; s < kSub * kSub; ++s) {
+      const int sub_row = s / kSub;
       const Vector3d place((left + (s % kSub + 0.5) / kSub) * pixel_mm,
-                           (up - (s / kSub + 0.5) / kSub) * pixel_mm,
+                           (up - (sub_row + 0.5) / kSub) * pixel_mm,
                            top_mm);
       sum += polygon_irradiance(corners, place, Vector3d::UnitZ(), bar.emission.radiance.front());
     }

@@ -69,7 +69,7 @@ std::vector<CellError> errors_of_switch(const Outcome& outcome,
                                         const Bounds& bounds) {
   const double h = outcome.evaluation.scores.at(kH);
   const double other_h = other.evaluation.scores.at(kH);
-  const char* const kMeanGrey = "homogeneity.mean";
+  constexpr const char* kMeanGrey = "homogeneity.mean";
   const double mean = outcome.evaluation.scores.at(kMeanGrey);
   const double other_mean = other.evaluation.scores.at(kMeanGrey);
   std::vector<CellError> errors = worst_change(outcome, other, bounds);

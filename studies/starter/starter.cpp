@@ -191,7 +191,8 @@ class StarterMaker {
       scores.resize(candidates_.size());
       return scores;
     } catch (const ConfigError&) {  // a lighting that cannot be built
-      return std::vector<double>(candidates_.size(), 0.0);
+      std::vector<double> zeros(candidates_.size(), 0.0);
+      return zeros;
     }
   }
 

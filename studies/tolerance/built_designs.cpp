@@ -118,7 +118,8 @@ std::vector<Point> BuiltDesigns::variable_offsets() const {
 
 std::vector<double> BuiltDesigns::added(int built) const {
   if (built == kExact) {
-    return std::vector<double>(tolerances_.size(), 0.0);
+    std::vector<double> zeros(tolerances_.size(), 0.0);
+    return zeros;
   }
   const Sobol sequence(study_.search.seed + kSpreadSeeds, static_cast<int>(tolerances_.size()));
   std::vector<double> offsets = sequence.point(static_cast<std::uint32_t>(built));

@@ -20,6 +20,7 @@ struct GreyTerm {
   GreyFault fault = GreyFault::kExposure;
   std::size_t of = 0;  ///< index of the light; of kLightPower the design
 
+  // NOLINTNEXTLINE(modernize-use-nullptr): there is no null
   auto operator<=>(const GreyTerm&) const = default;
 };
 
@@ -135,12 +136,12 @@ class GreyProblem {
  private:
   GreyModel::ColumnsPointer columns_of(const GreyState& state, bool is_fine = false);
   GreyHalves unexposed(const GreyState& state, bool is_fine = false);
-  static GreyHalves grey_of(const Halves<GreyColumns>& columns, const GreyState& state);
+  static GreyHalves grey_of(const Halves<GreyColumns>& all, const GreyState& state);
   Eigen::VectorXd exposure_of_rows(const GreyState& state) const;
   int size_of(const GreyTerm& term) const;
   void add_term(const GreyState& state, const GreyTerm& term, GreySystem& system);
-  GreyHalves column(const GreyState& state, const GreyNumber& number);
-  GreyHalves derivative(const GreyState& state, const GreyNumber& number);
+  GreyHalves column(const GreyState& state, const GreyNumber& by);
+  GreyHalves derivative(const GreyState& state, const GreyNumber& by);
 
   GreyModel model_;
   std::map<GreyTerm, std::vector<GreyHalves>> rough_;  ///< derivatives at the start, unexposed

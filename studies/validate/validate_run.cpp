@@ -389,8 +389,8 @@ class ValidateRun {
       sources_.notes.emplace_back(
           "Whether the refit changes the winner is not told: that takes a study with an "
           "objective");
-    } else if (json["rescored"]["text"] != "") {
-      sources_.notes.push_back(json["rescored"]["text"].get<std::string>());
+    } else if (auto text = json["rescored"]["text"].get<std::string>(); !text.empty()) {
+      sources_.notes.push_back(std::move(text));
     }
     return json;
   }

@@ -14,7 +14,7 @@ SceneSettings read_calibrated_scene(const std::filesystem::path& file) {
     throw ConfigError(file.string() + ": is no calibration: has no table [camera]");
   }
   std::vector<Problem> errors;
-  const SceneSettings calibrated = read_scene(root, errors);
+  SceneSettings calibrated = read_scene(root, errors);
   throw_if_any(errors);
   return calibrated;
 }

@@ -40,8 +40,9 @@ FacePlaces face_places(const SceneSettings& scene, const Eigen::Vector3d& size_m
   const Eigen::Vector3d along = across.cross(face.normal);
   for (int i = 0; i < kSteps; ++i) {
     for (int j = 0; j < kSteps; ++j) {
-      face.points_mm.push_back(face.middle_mm + ((i + 0.5) / kSteps - 0.5) * size_mm.x() * along +
-                               ((j + 0.5) / kSteps - 0.5) * size_mm.y() * across);
+      face.points_mm.emplace_back(face.middle_mm +
+                                  ((i + 0.5) / kSteps - 0.5) * size_mm.x() * along +
+                                  ((j + 0.5) / kSteps - 0.5) * size_mm.y() * across);
     }
   }
   return face;

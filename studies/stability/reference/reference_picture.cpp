@@ -247,14 +247,15 @@ std::array<double, 2> expected_grey(const SensorSettings& sensor, double radianc
   double mean = 0.0;
   double square = 0.0;
   const double spread = 12.0 * std::sqrt(electrons) + 20.0;
-  for (double k = std::max(0.0, std::floor(electrons - spread)); k <= electrons + spread;
-       k += 1.0) {
+  double k = std::max(0.0, std::floor(electrons - spread));
+  while (k <= electrons + spread) {
     const double log_p = electrons > 0.0
                              ? k * std::log(electrons) - electrons - std::lgamma(k + 1.0)
                              : (k == 0.0 ? 0.0 : -1e9);
     const double grey = rounded_grey(sensor, k * sensor.gain / sensor.full_well_e);
     mean += std::exp(log_p) * grey;
     square += std::exp(log_p) * grey * grey;
+    k += 1.0;
   }
   return {mean, std::max(0.0, square - mean * mean)};
 }

@@ -133,8 +133,9 @@ class Tracing {
       const int left = cell % kFilm * sampling_.samples;
       const int top = cell / kFilm * sampling_.samples;
       for (int s = 0; s < sampling_.samples * sampling_.samples; ++s) {
+        const int row = top + s / sampling_.samples;
         const double u = left + s % sampling_.samples + jitter.uniform();
-        const double v = top + s / sampling_.samples + jitter.uniform();
+        const double v = row + jitter.uniform();
         trace(Vector2d(px + u / per_side, py + v / per_side), jitter);
       }
     }

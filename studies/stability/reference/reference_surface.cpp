@@ -117,7 +117,8 @@ std::optional<double> march(const ReferencePart& part,
                             double to,
                             double step) {
   bool was_above = above(part, o + from * d) > 0.0;
-  for (double t = from; t < to; t += step) {
+  double t = from;
+  while (t < to) {
     const double next = std::min(t + step, to);
     const bool is_above = above(part, o + next * d) > 0.0;
     if (was_above && !is_above) {
@@ -130,6 +131,7 @@ std::optional<double> march(const ReferencePart& part,
       return 0.5 * (low + high);
     }
     was_above = is_above;
+    t += step;
   }
   return std::nullopt;
 }

@@ -48,18 +48,19 @@ double mean_over_square(const Quadrature& rule, const Function& function) {
 DirectionTable face_table(const Coat& coat) {
   const Quadrature rule = gauss_legendre(kFacetNodes);
   const GgxAlpha<double> alpha = alpha_of(coat);
-  return DirectionTable(alpha, [&](const LocalDirection& to_viewer) {
-    if (is_smooth(coat)) {
-      return dielectric_reflectance(coat.index, to_viewer.z);
-    }
-    return mean_over_square(rule, [&](double u, double v) {
-      const LocalDirection normal = ggx_sample_normal(alpha, to_viewer, u, v);
-      const LocalDirection to_light = reflect(to_viewer, normal);
-      return to_light.z > 0.0 ? ggx_weight(alpha, to_viewer, to_light) *
-                                    dielectric_reflectance(coat.index, dot(to_light, normal))
-                              : 0.0;
-    });
-  });
+  return {alpha, [&](const LocalDirection& to_viewer) {
+            if (is_smooth(coat)) {
+              return dielectric_reflectance(coat.index, to_viewer.z);
+            }
+            return mean_over_square(rule, [&](double u, double v) {
+              const LocalDirection normal = ggx_sample_normal(alpha, to_viewer, u, v);
+              const LocalDirection to_light = reflect(to_viewer, normal);
+              return to_light.z > 0.0
+                         ? ggx_weight(alpha, to_viewer, to_light) *
+                               dielectric_reflectance(coat.index, dot(to_light, normal))
+                         : 0.0;
+            });
+          }};
 }
 
 /// The base as if it absorbed nothing.

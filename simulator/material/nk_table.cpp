@@ -122,7 +122,7 @@ const ConfigNode& tabulated(const ConfigNode& root, const std::string& file) {
   const ConfigNode& where = type != nullptr ? *type : data->items.front();
   refuse(file,
          where.place.line,
-         fmt::format("type is \"{}\", must be \"tabulated nk\": metals need n and k", where.text));
+         fmt::format(R"(type is "{}", must be "tabulated nk": metals need n and k)", where.text));
 }
 
 NkTable parse_yaml(std::string_view text, const std::string& file) {

@@ -27,7 +27,7 @@ struct NkTable {
 
   /// Linear between the rows.
   /// @throws ConfigError outside the table, naming file and range
-  RefractiveIndex at(double wavelength_nm) const;
+  RefractiveIndex at(double at_nm) const;
 };
 
 /// @throws ConfigError with file:line

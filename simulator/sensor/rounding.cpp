@@ -33,12 +33,14 @@ RoundedGrey rounded_normal(double mean, double deviation, double step) {
   const double end = level_of(mean + kReach * deviation);
   RoundedGrey sum;
   double below = 0.0;
-  for (double level = first; level <= end; level += 1.0) {
+  double level = first;
+  while (level <= end) {
     const double to = level == end ? 1.0 : share_below((level + 0.5) * step);
     const double offset = (level - first) * step;
     sum.mean += (to - below) * offset;
     sum.variance += (to - below) * offset * offset;
     below = to;
+    level += 1.0;
   }
   return {.mean = first * step + sum.mean,
           .variance = std::max(0.0, sum.variance - sum.mean * sum.mean)};

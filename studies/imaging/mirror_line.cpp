@@ -98,8 +98,7 @@ class MirrorLine : public LineCamera {
                                                                           built.part,
                                                                           *built.bvh,
                                                                           part.detail,
-                                                                          camera_,
-                                                                          pose,
+                                                                          {camera_, pose},
                                                                           scene_.render,
                                                                           store_.pool())
                                                                .rays);

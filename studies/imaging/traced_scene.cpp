@@ -112,8 +112,7 @@ void trace_camera(const SceneSettings& scene,
                                     built.part,
                                     *built.bvh,
                                     traced.detail(),
-                                    camera,
-                                    traced.camera_from_world,
+                                    {camera, traced.camera_from_world},
                                     scene.render,
                                     pool)
                          .rays;
@@ -186,7 +185,7 @@ Mask region_of(const SceneSettings& scene, const TracedScene& traced, MayBeUnsee
     if (may_be_unseen != MayBeUnseen::kPart) {
       throw;
     }
-    return Mask(traced.part_mask.width(), traced.part_mask.height());
+    return {traced.part_mask.width(), traced.part_mask.height()};
   }
 }
 

@@ -116,7 +116,7 @@ TriangleMesh read_text(std::string_view bytes, const std::string& file) {
       is_inside = !is_inside;
       cursor.skip_line();
     } else {
-      cursor.fail(is_inside ? "\"facet\" or \"endsolid\" expected" : "\"solid\" expected");
+      cursor.fail(is_inside ? R"("facet" or "endsolid" expected)" : "\"solid\" expected");
     }
   }
   if (is_inside) {

@@ -97,7 +97,7 @@ void check_shape(const PartSettings& settings, const Fail& fail) {
       fail("gear." + key, message);
     }
   }
-  if (settings.expected_size_mm.size() != 0 && settings.expected_size_mm.size() != 3) {
+  if (!settings.expected_size_mm.empty() && settings.expected_size_mm.size() != 3) {
     fail("expected_size_mm", "allowed: three numbers (x, y, z) or none");
   }
 }

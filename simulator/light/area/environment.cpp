@@ -77,7 +77,8 @@ Environment::Environment(int width, int height, std::vector<std::array<float, 3>
 
 double Environment::pixel_solid_angle_sr(std::size_t index) const {
   const double row = kPi / static_cast<double>(height_);
-  const double top = static_cast<double>(index / width_) * row;
+  const std::size_t above = index / width_;
+  const double top = static_cast<double>(above) * row;
   return 2.0 * kPi / static_cast<double>(width_) * (std::cos(top) - std::cos(top + row));
 }
 

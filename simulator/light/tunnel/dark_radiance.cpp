@@ -31,7 +31,7 @@ std::vector<Vector2d> spread_along(const std::vector<Vector2d>& line, int pieces
     }
     const double length = way[i] - way[i - 1];
     const double t = length > 0.0 ? std::min(1.0, (wanted - way[i - 1]) / length) : 0.0;
-    points.push_back(line[i - 1] + t * (line[i] - line[i - 1]));
+    points.emplace_back(line[i - 1] + t * (line[i] - line[i - 1]));
   }
   return points;
 }

@@ -159,10 +159,10 @@ std::vector<double> quarter_sines() {
 std::vector<Vector2d> sample_superellipse(const EllipseAxes& axes,
                                           double exponent,
                                           double base_mm) {
-  static const std::vector<double> kSines = quarter_sines();
+  static const std::vector<double> sines = quarter_sines();
   const double power = 2.0 / exponent;
   std::vector<double> raised;
-  for (const double sine : kSines) {
+  for (const double sine : sines) {
     raised.push_back(power == 1.0 ? sine : std::pow(sine, power));
   }
   const auto of_quarter = [&](int i) { return raised[static_cast<std::size_t>(i)]; };

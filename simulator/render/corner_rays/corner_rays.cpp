@@ -29,14 +29,13 @@ RetracedRays retrace_detail(const CornerRays& without_detail,
                             const Part& part,
                             const Bvh& bvh,
                             const SurfaceDetail& detail,
-                            const PinholeCamera& camera,
-                            const RigidTransform& camera_from_world,
+                            const PlacedCamera& placed,
                             const RenderSettings& settings,
                             ThreadPool& pool) {
   const TraceScene scene(part, bvh, detail, settings);
-  const RefinementNeed need(camera, camera_from_world, part, detail);
+  const RefinementNeed need(placed.camera, placed.camera_from_world, part, detail);
   return trace_planned(scene,
-                       {camera, camera_from_world},
+                       placed,
                        need,
                        UpdatePlan(without_detail, need),
                        &without_detail,

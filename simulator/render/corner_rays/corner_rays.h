@@ -78,8 +78,7 @@ RetracedRays retrace_detail(const CornerRays& without_detail,
                             const Part& part,
                             const Bvh& bvh,
                             const SurfaceDetail& detail,
-                            const PinholeCamera& camera,
-                            const RigidTransform& camera_from_world,
+                            const PlacedCamera& placed,
                             const RenderSettings& settings,
                             ThreadPool& pool);
 

@@ -302,8 +302,9 @@ void CornerTracer::trace_batch(const std::vector<Candidate>& pixels,
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const std::size_t pixel = (first + lane) / corners_of(n);
       const auto corner = static_cast<int>((first + lane) % corners_of(n));
+      const int row = corner / (n + 1);
       x_px[lane] = pixels[pixel].x + static_cast<double>(corner % (n + 1)) / n;
-      y_px[lane] = y + static_cast<double>(corner / (n + 1)) / n;
+      y_px[lane] = y + static_cast<double>(row) / n;
     }
     camera_.through(x_px.data(), y_px.data(), static_cast<int>(lanes), rays);
     tracer.trace(rays, escapes);

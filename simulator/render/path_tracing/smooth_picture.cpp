@@ -28,7 +28,7 @@ using Terms = Eigen::Matrix<double, kTerms, 1>;
 Terms terms_at(int du, int dv) {
   const double u = static_cast<double>(du) / kReach;
   const double v = static_cast<double>(dv) / kReach;
-  return Terms(1.0, u, v, u * u, u * v, v * v);
+  return {1.0, u, v, u * u, u * v, v * v};
 }
 
 /// Pixels that show the same surface as another.

@@ -65,7 +65,7 @@ std::vector<Eigen::Vector2d> panel_ends(const TunnelSettings& s) {
        flat_walls(s.distance_mm, s.opening_rad, s.panel_height_mm, s.base_mm)) {
     const Eigen::Vector2d foot(wall.start_y_mm, wall.start_z_mm);
     ends.push_back(foot);
-    ends.push_back(foot + wall.length_mm * Eigen::Vector2d(wall.along_y, wall.along_z));
+    ends.emplace_back(foot + wall.length_mm * Eigen::Vector2d(wall.along_y, wall.along_z));
   }
   return ends;
 }

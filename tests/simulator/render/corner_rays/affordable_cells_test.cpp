@@ -139,8 +139,7 @@ TEST(AffordableCells, AreTheSameForRaysThatAreTracedAgain) {
                                                bumpy.bench.part,
                                                bumpy.bench.bvh,
                                                detail,
-                                               bumpy.bench.camera,
-                                               bumpy.bench.camera_from_world,
+                                               {bumpy.bench.camera, bumpy.bench.camera_from_world},
                                                bumpy.bench.render,
                                                bumpy.pool);
   EXPECT_EQ(max_cells_of(retraced.rays), 4);

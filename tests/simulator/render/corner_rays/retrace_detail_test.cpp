@@ -32,8 +32,7 @@ std::int64_t retraced_rays(const PartSettings& part,
                                                with.part,
                                                with.bvh,
                                                with.detail,
-                                               with.camera,
-                                               with.camera_from_world,
+                                               {with.camera, with.camera_from_world},
                                                settings,
                                                pool);
   EXPECT_TRUE(same_bytes(with.rays, retraced.rays));
@@ -103,8 +102,7 @@ TEST(RetraceDetail, TracesNothingForADefectOutsideTheImage) {
                                                with.part,
                                                with.bvh,
                                                with.detail,
-                                               with.camera,
-                                               with.camera_from_world,
+                                               {with.camera, with.camera_from_world},
                                                {},
                                                pool);
   EXPECT_TRUE(same_bytes(with.rays, retraced.rays));

@@ -97,8 +97,9 @@ std::vector<float> visible_shares(const RayCache& cache,
     const VisiblePart visible(edge, tunnel);
     for (std::size_t sample = 0; sample < samples; ++sample) {
       const std::size_t ray = sample * pixels + static_cast<std::size_t>(edge.pixel);
+      const std::size_t row = sample / per_axis;
       const double x = (static_cast<double>(sample % per_axis) + 0.5) * side - 0.5;
-      const double y = (static_cast<double>(sample / per_axis) + 0.5) * side - 0.5;
+      const double y = (static_cast<double>(row) + 0.5) * side - 0.5;
       const double area = visible.area({.x = x, .y = y, .side = side});
       share[ray] = cache.weight[ray] > 0.0F ? static_cast<float>(area) : 0.0F;
     }

@@ -7,22 +7,18 @@
 
 namespace glint {
 
-ScanResult take_blurred_scan(const RayCache& cache,
-                             const Tunnel& tunnel,
-                             const ConductorNumbers& metal,
+ScanResult take_blurred_scan(const BlurredPixels& pixels,
+                             const TunnelSettings& tunnel,
                              const Sensor& sensor,
                              const ScanSettings& scan,
-                             const Eigen::Vector3d& camera_in_world_mm,
-                             const FrameConsumer& consume,
-                             ThreadPool* pool) {
-  const BlurredPixels pixels = blurred_pixels(cache, tunnel, metal, scan, camera_in_world_mm, pool);
-  const double step_mm = scan_step_mm(scan, tunnel.settings());
+                             const FrameConsumer& consume) {
+  const double step_mm = scan_step_mm(scan, tunnel);
   ScanResult result;
-  result.sums = ScanSums(cache.width_px, cache.height_px);
+  result.sums = ScanSums(pixels.even.width(), pixels.even.height());
   ImageF radiance;
   ImageF grey;
   for (int index = 0; index < scan.positions; ++index) {
-    render_blurred(pixels, tunnel.settings(), index * step_mm, radiance);
+    render_blurred(pixels, tunnel, index * step_mm, radiance);
     sensor.accumulate(radiance, index, result.sums, consume ? &grey : nullptr);
     if (consume) {
       consume(index, grey);

@@ -6,14 +6,12 @@
 
 namespace glint {
 
-/// take_scan() of rough metal. @throws ConfigError as blurred_pixels()
-ScanResult take_blurred_scan(const RayCache& cache,
-                             const Tunnel& tunnel,
-                             const ConductorNumbers& metal,
+/// take_scan() of rough metal.
+/// @param pixels  blurred_pixels() of that scan and tunnel
+ScanResult take_blurred_scan(const BlurredPixels& pixels,
+                             const TunnelSettings& tunnel,
                              const Sensor& sensor,
                              const ScanSettings& scan,
-                             const Eigen::Vector3d& camera_in_world_mm,
-                             const FrameConsumer& consume = {},
-                             ThreadPool* pool = nullptr);
+                             const FrameConsumer& consume = {});
 
 }  // namespace glint

@@ -87,7 +87,10 @@ class LobePicture {
   int node_sample() const { return (per_axis_ / 2) * per_axis_ + per_axis_ / 2; }
 
   /// Of a sample within its pixel, from that of the node.
-  double offset(int index) const { return static_cast<double>(index - per_axis_ / 2) / per_axis_; }
+  double offset(int index) const {
+    const int node = per_axis_ / 2;
+    return static_cast<double>(index - node) / per_axis_;
+  }
 
   Vector3d direction(std::size_t ray) const {
     return {static_cast<double>(cache_.direction_x[ray]),

@@ -133,7 +133,7 @@ StripeGradient CellGradient::gradient_of_polygons(const CellCorners& corners,
   StripeGradient sums;
   const auto integrate = [&](const PixelPolygon& polygon) {
     sums.add(
-        polygon, phase, boundaries, p_.shift_periods, weights_, p_.duty, p_.dark, 1.0 - p_.dark);
+        polygon, phase, boundaries, p_.shift_periods, weights_, {p_.duty, p_.dark, 1.0 - p_.dark});
   };
   const auto [low, high] = std::ranges::minmax(corners.y_mm);
   const bool is_beside_slot = low >= p_.half_slot_mm || high <= -p_.half_slot_mm;

@@ -135,11 +135,12 @@ void CellPixelGradient::add_refined(const RefinedGroup& group,
       cells_.has_detached = true;
       continue;
     }
-    const std::size_t at = cell / n * (n + 1) + cell % n;
+    const std::size_t row = cell / n;
+    const std::size_t at = row * (n + 1) + cell % n;
     add_cell(rays,
              {at, at + 1, at + n + 1, at + n + 2},
              {.x = (static_cast<double>(cell % n) + 0.5) * side - 0.5,
-              .y = (static_cast<double>(cell / n) + 0.5) * side - 0.5,
+              .y = (static_cast<double>(row) + 0.5) * side - 0.5,
               .side = side},
              {by_hits, offset});
   }
@@ -180,14 +181,14 @@ void CellPixelGradient::finish_pixel(std::int32_t pixel, const Rays& rays, const
     add_edges(pixel);
   }
   if (!positions_.is_dark_even) {
-    add_mean_dark_gradient(footprints_.tunnel().dark(),
-                           rays.hits,
-                           rays.weight,
-                           rays.all,
-                           cells_.dark - dark_before_,
-                           gradient_.dark_nodes,
-                           add.by_hits.y.data() + add.offset,
-                           add.by_hits.margin.data() + add.offset);
+    add_mean_dark_gradient(
+        footprints_.tunnel().dark(),
+        rays.hits,
+        rays.weight,
+        rays.all,
+        cells_.dark - dark_before_,
+        gradient_.dark_nodes,
+        {.y = add.by_hits.y.data() + add.offset, .margin = add.by_hits.margin.data() + add.offset});
   }
 }
 

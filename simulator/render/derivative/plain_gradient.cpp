@@ -136,14 +136,14 @@ void PlainGradient::add_dark_nodes(double per_weight, ScanGradient& gradient) co
     gradient.corners.open(static_cast<std::size_t>(span.y) + 1);
     for (int x = span.begin; x < span.end; ++x, ++at) {
       if (by_dark_[at] != 0.0) {
-        add_mean_dark_gradient(footprints_.tunnel().dark(),
-                               footprints_.hits(),
-                               rays.corners.weight.data(),
-                               footprints_.corners_of(span.y * rays.width_px + x),
-                               per_weight * by_dark_[at] / static_cast<double>(bright_[at]),
-                               gradient.dark_nodes,
-                               gradient.corners.y.data(),
-                               gradient.corners.margin.data());
+        add_mean_dark_gradient(
+            footprints_.tunnel().dark(),
+            footprints_.hits(),
+            rays.corners.weight.data(),
+            footprints_.corners_of(span.y * rays.width_px + x),
+            per_weight * by_dark_[at] / static_cast<double>(bright_[at]),
+            gradient.dark_nodes,
+            {.y = gradient.corners.y.data(), .margin = gradient.corners.margin.data()});
       }
     }
   }

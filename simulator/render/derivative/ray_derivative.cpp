@@ -182,7 +182,8 @@ std::vector<RayDerivative> corner_derivatives(const CameraScene& scene,
   const std::int64_t columns = in.width_px + 1;
   const auto count = static_cast<std::size_t>(columns * (in.height_px + 1));
   return differentiate(scene, twists, count, pool, [&](std::int64_t i) {
-    return Vector2d(static_cast<double>(i % columns), static_cast<double>(i / columns));
+    const std::int64_t row = i / columns;
+    return Vector2d(static_cast<double>(i % columns), static_cast<double>(row));
   });
 }
 
@@ -197,8 +198,10 @@ std::vector<RayDerivative> refined_derivatives(const CameraScene& scene,
       scene, twists, group.rays.weight.size(), pool, [&](std::int64_t i) -> Vector2d {
         const std::int32_t pixel = group.pixels[static_cast<std::size_t>(i / corners)];
         const auto corner = static_cast<int>(i % corners);
+        const std::int32_t row = pixel / width_px;
+        const int row_in_pixel = corner / (n + 1);
         return {pixel % width_px + static_cast<double>(corner % (n + 1)) / n,
-                static_cast<double>(pixel / width_px) + static_cast<double>(corner / (n + 1)) / n};
+                static_cast<double>(row) + static_cast<double>(row_in_pixel) / n};
       });
 }
 

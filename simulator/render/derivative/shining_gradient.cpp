@@ -65,14 +65,14 @@ class ShiningRows {
     for (const ShiningSum& by : sums_) {
       *by.sum += weight * table.value_of(by.pieces, w, stencil).value;
     }
-    add_mean_dark_gradient(footprints_.tunnel().dark(),
-                           footprints_.hits(),
-                           footprints_.rays().corners.weight.data(),
-                           footprints_.corners_of(y * footprints_.rays().width_px + x),
-                           weight * mean.by_dark,
-                           gradient_.dark_nodes,
-                           gradient_.corners.y.data(),
-                           gradient_.corners.margin.data());
+    add_mean_dark_gradient(
+        footprints_.tunnel().dark(),
+        footprints_.hits(),
+        footprints_.rays().corners.weight.data(),
+        footprints_.corners_of(y * footprints_.rays().width_px + x),
+        weight * mean.by_dark,
+        gradient_.dark_nodes,
+        {.y = gradient_.corners.y.data(), .margin = gradient_.corners.margin.data()});
     if (w > 0.0) {
       add_differences(x, y, weight * mean.by_width * scale_ / w);
     }

@@ -114,12 +114,11 @@ void StripeGradient::add(const PixelPolygon& polygon,
                          std::span<const LinearFunction> boundaries,
                          const std::vector<double>& shifts,
                          const std::vector<double>& weights,
-                         double stripe_duty,
-                         double dark,
-                         double bright) {
+                         const StripeLevels& levels) {
   if (polygon.size() < 3) {
     return;
   }
+  const auto [stripe_duty, dark, bright] = levels;
   const LinearFunction g = tilted(phase_of_pixel);
   const double squared = g.dx * g.dx + g.dy * g.dy;
   std::array<VertexSums, PixelPolygon::kMaxVertices> sums;

@@ -22,6 +22,13 @@ struct LinearGradient {
   std::array<double, 4> by_corners() const;
 };
 
+/// What shines of the stripes.
+struct StripeLevels {
+  double duty = 0.5;
+  double dark = 0.0;    ///< of the whole area
+  double bright = 1.0;  ///< of the stripes, in addition
+};
+
 /// Derivative of a polygon's lit and bright area, summed over frames with weights w_k:
 /// sum of w_k (dark * area + bright * share_k).
 struct StripeGradient {
@@ -39,9 +46,7 @@ struct StripeGradient {
            std::span<const LinearFunction> boundaries,
            const std::vector<double>& shifts,
            const std::vector<double>& weights,
-           double stripe_duty,
-           double dark,
-           double bright);
+           const StripeLevels& levels);
 };
 
 }  // namespace glint

@@ -106,8 +106,9 @@ class PanelStack {
     const int along_s = pieces(e.height_rad);
     const int along_t = pieces(e.span_rad);
     for (int i = 0; i < along_s * along_t; ++i) {
+      const int row = i / along_s;
       push({.s = (static_cast<float>(i % along_s) + 0.5F) / static_cast<float>(along_s),
-            .t = (static_cast<float>(i / along_s) + 0.5F) / static_cast<float>(along_t),
+            .t = (static_cast<float>(row) + 0.5F) / static_cast<float>(along_t),
             .half_s = 0.5F / static_cast<float>(along_s),
             .half_t = 0.5F / static_cast<float>(along_t)});
     }

@@ -37,10 +37,10 @@ EmitterPlace flat_place(const LocalEmitter& e, float s, float t) {
           .area_mm2 = e.area_mm2 + s * e.area_per_s};
 }
 
-EmitterPlace round_place(const LocalEmitter& e, const RoundProfile& at, PlaceVector radial) {
-  return {.point = vector_of(e.origin) + at.r_mm * radial + at.h_mm * vector_of(e.z),
-          .normal = at.nr * radial + at.nz * vector_of(e.z),
-          .area_mm2 = at.area_mm2};
+EmitterPlace round_place(const LocalEmitter& e, const RoundProfile& profile, PlaceVector radial) {
+  return {.point = vector_of(e.origin) + profile.r_mm * radial + profile.h_mm * vector_of(e.z),
+          .normal = profile.nr * radial + profile.nz * vector_of(e.z),
+          .area_mm2 = profile.area_mm2};
 }
 
 }  // namespace glint

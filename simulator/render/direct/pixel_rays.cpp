@@ -14,8 +14,9 @@ constexpr std::size_t kLanes = kPacketSize;
 /// Where a ray of the grid passes through the picture.
 Eigen::Vector2d place_px(const RayArea& area, std::size_t ray) {
   const auto width = static_cast<std::size_t>(area.width());
+  const std::size_t row = ray / width;
   return {area.x_px + (static_cast<double>(ray % width) + 0.5) / area.per_axis,
-          area.y_px + (static_cast<double>(ray / width) + 0.5) / area.per_axis};
+          area.y_px + (static_cast<double>(row) + 0.5) / area.per_axis};
 }
 
 void set_ray(const Ray& ray, std::size_t lane, RayPacket& rays) {

@@ -81,7 +81,8 @@ bool CellSum::is_narrow(double width_mm) const {
   return p_.duty <= 0.0 || width_mm <= 2.0 * std::min(p_.duty, 1.0 - p_.duty) * p_.period_mm;
 }
 
-bool CellSum::add_lit(const std::array<float, 4>& c, float gain) {
+bool CellSum::add_lit(const std::array<float, 4>& stripes_mm, float gain) {
+  const std::array<float, 4>& c = stripes_mm;
   const auto [low, high] = std::ranges::minmax(c);
   if (!is_narrow(static_cast<double>(high) - static_cast<double>(low))) {
     return false;

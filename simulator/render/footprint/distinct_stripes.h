@@ -25,10 +25,10 @@ struct DistinctStripes {
   DistinctStripes() : shift_periods(1), frames(1) {}
 
   /// Each frame of its own stripes.
-  explicit DistinctStripes(std::vector<double> shift_periods);
+  explicit DistinctStripes(std::vector<double> shifts);
 
-  /// @param shift_periods  frame by frame, in even steps, each in [0, 1); at least one
-  DistinctStripes(const std::vector<double>& shift_periods, double duty);
+  /// @param shifts  in periods, frame by frame, in even steps, each in [0, 1); at least one
+  DistinctStripes(const std::vector<double>& shifts, double duty);
 
   /// Appends the radiance of a place in each frame.
   /// @param of_sources  its radiance under the stripes of each source

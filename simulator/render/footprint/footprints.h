@@ -75,8 +75,8 @@ struct ScanPositions {
   }
 
   /// The same tunnel with its stripes at other places.
-  /// @param shift_periods  each in [0, 1)
-  ScanPositions with_stripes_at(const std::vector<double>& shift_periods) const;
+  /// @param places  their shift_periods, each in [0, 1)
+  ScanPositions with_stripes_at(const std::vector<double>& places) const;
 
   /// Under uneven light, which moves with the stripes, each frame has its own.
   DistinctStripes distinct_stripes() const;

@@ -26,8 +26,7 @@ void add_mean_dark_gradient(const DarkRadiance& dark,
                             std::span<const std::size_t> rays,
                             double factor,
                             std::span<double> by_nodes,
-                            float* y,
-                            float* margin) {
+                            const HitDerivatives& by_hits) {
   const auto count =
       std::ranges::count_if(rays, [&](std::size_t ray) { return has_place(hits, weight, ray); });
   if (count == 0) {
@@ -42,8 +41,8 @@ void add_mean_dark_gradient(const DarkRadiance& dark,
     const auto place = dark.place_of(y_mm, static_cast<double>(hits.margin_mm[ray]));
     dark.add_gradient(place, share, by_nodes);
     const double slope = share * dark.slope_at(place);
-    y[ray] += static_cast<float>((y_mm < 0.0 ? -slope : slope) * place.by_y);
-    margin[ray] += static_cast<float>(slope * place.by_margin);
+    by_hits.y[ray] += static_cast<float>((y_mm < 0.0 ? -slope : slope) * place.by_y);
+    by_hits.margin[ray] += static_cast<float>(slope * place.by_margin);
   }
 }
 

@@ -24,15 +24,20 @@ double mean_dark(const DarkRadiance& dark,
                  const float* weight,
                  std::span<const std::size_t> rays);
 
+/// Derivatives by the place of each hit, arrays of as many as the hits.
+struct HitDerivatives {
+  float* y = nullptr;
+  float* margin = nullptr;
+};
+
 /// Adds the derivatives of mean_dark() times `factor`: by the nodes of `dark` to by_nodes, and by
-/// the rays' y and margin to arrays of as many as the hits.
+/// the rays' places to by_hits.
 void add_mean_dark_gradient(const DarkRadiance& dark,
                             const WallHits& hits,
                             const float* weight,
                             std::span<const std::size_t> rays,
                             double factor,
                             std::span<double> by_nodes,
-                            float* y,
-                            float* margin);
+                            const HitDerivatives& by_hits);
 
 }  // namespace glint

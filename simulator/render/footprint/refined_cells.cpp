@@ -179,9 +179,10 @@ void RefinedCells::add_corners(CellSum& sum, const VisiblePart* visible) {
     if (gain > 0.0F) {
       const std::size_t at = pixel_.first + i;
       const double side = 1.0 / static_cast<double>(n);
+      const std::size_t row = i / (n + 1);
       const double seen = visible != nullptr
                               ? visible->area({.x = static_cast<double>(i % (n + 1)) * side - 0.5,
-                                               .y = static_cast<double>(i / (n + 1)) * side - 0.5,
+                                               .y = static_cast<double>(row) * side - 0.5,
                                                .side = side})
                               : 1.0;
       sum.add_place(static_cast<double>(hits_.x_mm[at]),

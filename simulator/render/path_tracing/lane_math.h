@@ -36,6 +36,7 @@ GLINT_INLINE SineCosine small_sine_cosine(float angle_rad) {
 /// Of 2 pi turns, turns in [0, 4].
 GLINT_INLINE SineCosine sine_cosine_of_turns(float turns) {
   const float quarters = 4.0F * turns;
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): quarters are >= 0, and lround is no lane's
   const auto quadrant = static_cast<std::int32_t>(quarters + 0.5F);
   const SineCosine near =
       small_sine_cosine((quarters - static_cast<float>(quadrant)) * (0.5F * kPiF));

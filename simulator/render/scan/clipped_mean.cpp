@@ -270,7 +270,8 @@ ClippedMean::ClippedMean(const SensorSettings& sensor, const StripeSettings& str
 }
 
 /// Cubic pieces through the nodes with derivatives by central differences.
-std::vector<float> ClippedMean::pieces_through(const std::vector<double>& f) {
+std::vector<float> ClippedMean::pieces_through(const std::vector<double>& nodes) {
+  const std::vector<double>& f = nodes;
   std::vector<float> coefficients;
   const auto slope = [&](std::size_t i) {
     if (i == 0) {

@@ -62,14 +62,18 @@ std::vector<float> shine_of(const RayCache& cache,
 
 /// The light of dark stripes that depends on the place: what they have in common with bright ones
 /// is as bright everywhere, the rest is that of bright stripes beside black ones.
-void add_shining_stripes(const float* x_mm,
+/// @param begin  of the rays that are added
+/// @param q_mm   from there on
+void add_shining_stripes(const WallRays& rays,
+                         std::int64_t begin,
                          const float* q_mm,
-                         const float* gain,
-                         const float* shine,
                          int count,
                          const StripePattern& pattern,
                          float scale,
                          float* out) {
+  const float* x_mm = rays.x_mm.data() + begin;
+  const float* gain = rays.gain.data() + begin;
+  const float* shine = rays.shine.data() + begin;
   std::array<float, kBlockOfFrames> rest = {};
   for (int i = 0; i < count; ++i) {
     rest[static_cast<std::size_t>(i)] = gain[i] - shine[i];
@@ -133,14 +137,8 @@ void render_frames(const RayCache& cache,
       for (std::int64_t sample = 0; sample < cache.samples; ++sample) {
         const std::int64_t begin = sample * pixels + pixel;
         if (!rays.shine.empty()) {
-          add_shining_stripes(rays.x_mm.data() + begin,
-                              pattern_mm.data() + begin,
-                              rays.gain.data() + begin,
-                              rays.shine.data() + begin,
-                              count,
-                              patterns[k],
-                              share,
-                              out);
+          add_shining_stripes(
+              rays, begin, pattern_mm.data() + begin, count, patterns[k], share, out);
           continue;
         }
         add_stripes(rays.x_mm.data() + begin,

@@ -30,10 +30,12 @@ ScanResult KeptRayScan::scan(const RayCache& rays,
                              const Sensor& sensor,
                              const Eigen::Vector3d& camera_in_world_mm,
                              const FrameConsumer& consume) const {
-  return metal_
-             ? take_blurred_scan(
-                   rays, tunnel_, *metal_, sensor, settings_, camera_in_world_mm, consume, &pool_)
-             : take_scan(rays, tunnel_, sensor, settings_, camera_in_world_mm, consume);
+  if (!metal_) {
+    return take_scan(rays, tunnel_, sensor, settings_, camera_in_world_mm, consume);
+  }
+  const BlurredPixels pixels =
+      blurred_pixels(rays, tunnel_, *metal_, settings_, camera_in_world_mm, &pool_);
+  return take_blurred_scan(pixels, tunnel_.settings(), sensor, settings_, consume);
 }
 
 }  // namespace glint

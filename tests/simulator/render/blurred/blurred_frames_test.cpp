@@ -172,8 +172,9 @@ TEST(BlurredFrames, HaveTheMeanOfAnEvenWall) {
   const auto metal = conductor_numbers(bench.material.plain());
   const Eigen::Vector3d camera_mm = inverse(bench.pose).translation_mm;
   const RayCache rays = rays_of(scene, bench);
-  const ImageF mean =
-      take_blurred_scan(rays, Tunnel(scene.tunnel), *metal, sensor, scene.scan, camera_mm).aspect;
+  const BlurredPixels pixels =
+      blurred_pixels(rays, Tunnel(scene.tunnel), *metal, scene.scan, camera_mm);
+  const ImageF mean = take_blurred_scan(pixels, scene.tunnel, sensor, scene.scan).aspect;
   BlurredScene even = scene;
   even.tunnel.duty = 1.0;
   const BlurredPixels bright = blurred_of(even, bench);

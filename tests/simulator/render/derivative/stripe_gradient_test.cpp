@@ -52,7 +52,7 @@ struct CutCell {
     boundaries[kRimLabel] = rim;
     boundaries[kSlotLabel] = slot;
     StripeGradient result;
-    result.add(polygon(), phase, boundaries, shifts, weights, duty, dark, 1.0 - dark);
+    result.add(polygon(), phase, boundaries, shifts, weights, {duty, dark, 1.0 - dark});
     return result;
   }
 };

@@ -70,11 +70,11 @@ double squares_of(const Work& work, const LensVector& lens) {
   Bundle bundle = camera_bundle(lens, {});
   double sum = 0.0;
   for (const std::size_t i : work.used) {
-    if (const auto pose = board_pose(work.pictures[i], lens)) {
-      sum += std::pow(rms_px(bundle, free_view(work.pictures[i], *pose)), 2);
-    } else {
-      sum += std::numeric_limits<double>::infinity();
+    const auto pose = board_pose(work.pictures[i], lens);
+    if (!pose) {
+      return std::numeric_limits<double>::infinity();
     }
+    sum += std::pow(rms_px(bundle, free_view(work.pictures[i], *pose)), 2);
   }
   return sum;
 }

@@ -208,7 +208,8 @@ class PixelInk {
     double sum = 0.0;
     for (int k = 0; k < kSamples * kSamples; ++k) {
       const double px = x + (k % kSamples + 0.5) / kSamples;
-      const double py = y + (k / kSamples + 0.5) / kSamples;
+      const int row = k / kSamples;
+      const double py = y + (row + 0.5) / kSamples;
       sum += grey(print_.at(hit_at(px, py).squares), px, py);
     }
     return sum / (kSamples * kSamples);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/board/board_sheet.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "hardware/board/charuco.h"

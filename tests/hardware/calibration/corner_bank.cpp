@@ -138,7 +138,8 @@ std::string CornerBank::table() const {
   for (int group = 0; group < kGroups; ++group) {
     const CornerErrors errors = corner_errors(errors_px_[static_cast<std::size_t>(group)]);
     const std::size_t blur = static_cast<std::size_t>(group) % kBlurs_px.size();
-    const double turn_deg = -45.0 + kTurnWidth_deg * (group / static_cast<int>(kBlurs_px.size()));
+    const int turn = group / static_cast<int>(kBlurs_px.size());
+    const double turn_deg = -45.0 + kTurnWidth_deg * turn;
     const std::string end =
         blur + 1 < kBlurs_px.size() ? fmt::format("{:g}", kBlurs_px[blur + 1]) : std::string("...");
     text += fmt::format(

@@ -151,7 +151,7 @@ void check_header(const BankReader& reader, const BankHeader& found, const BankH
   }
   if (found.scene != wanted.scene) {
     reader.fail("scene",
-                fmt::format("is \"{}\", must be \"{}\"; {}", found.scene, wanted.scene, what));
+                fmt::format(R"(is "{}", must be "{}"; {})", found.scene, wanted.scene, what));
   }
   if (found.inputs != wanted.inputs) {
     reader.fail("inputs", fmt::format("is that of another study or board; {}", what));

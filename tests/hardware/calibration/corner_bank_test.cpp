@@ -42,8 +42,8 @@ std::vector<Vector2d> skew_errors(int count, double size_px, const Vector2d& bia
   for (int i = 0; i < count; ++i) {
     const double along = size_px * rng.normal();
     const double across = 0.3 * size_px * rng.normal();
-    errors.push_back(bias_px + Vector2d(std::sqrt(0.75) * along - 0.5 * across,
-                                        0.5 * along + std::sqrt(0.75) * across));
+    errors.emplace_back(bias_px + Vector2d(std::sqrt(0.75) * along - 0.5 * across,
+                                           0.5 * along + std::sqrt(0.75) * across));
   }
   return errors;
 }

@@ -236,8 +236,9 @@ PointError overlap_error(const SimulatedCell& cell, const LensVector& lens, cons
     const Isometry3d truth = camera_from_board(cell.settings.mounting, cell.poses, pose);
     const Isometry3d estimate = camera_from_board(cell.settings.mounting, poses, pose);
     for (int i = 0; i < 25 * 21; ++i) {
+      const int row = i / 25;
       const Vector3d point =
-          kMiddle + Vector3d(110.0 * (i % 25 / 24.0 - 0.5), 92.0 * (i / 25 / 20.0 - 0.5), 0.0);
+          kMiddle + Vector3d(110.0 * (i % 25 / 24.0 - 0.5), 92.0 * (row / 20.0 - 0.5), 0.0);
       const auto a = project_by_lens(cell.lens, truth * point, nullptr);
       const auto b = project_by_lens(lens, estimate * point, nullptr);
       if (!a.has_value() || !b.has_value() || a->minCoeff() < 0.0 || a->x() > kCellWidth ||

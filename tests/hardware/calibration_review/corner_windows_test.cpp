@@ -72,8 +72,8 @@ BoardCorners corners_by_opencv(Image<std::uint8_t> photograph, const Board& boar
   cv::cornerSubPix(image, found, {half, half}, {-1, -1}, enough);
   for (int i = 0; i < board.cols * board.rows; ++i) {
     const cv::Point2f& at = found[static_cast<std::size_t>(i)];
-    corners.board_mm.emplace_back(
-        board.square_mm * (i % board.cols), board.square_mm * (i / board.cols), 0.0);
+    const int row = i / board.cols;
+    corners.board_mm.emplace_back(board.square_mm * (i % board.cols), board.square_mm * row, 0.0);
     // Its first pixel's middle is (0, 0).
     corners.picture_px.emplace_back(static_cast<double>(at.x) + 0.5,
                                     static_cast<double>(at.y) + 0.5);

@@ -40,7 +40,7 @@ TEST(OutputLight, IsNeverBelievedToBeOnWhenTheDeviceTellsOtherwise) {
 TEST(OutputLight, NeedsAnOutputThatThereIs) {
   SimulatedOutputs outputs(8);
   try {
-    OutputLight("ring", outputs, 8);
+    const OutputLight light("ring", outputs, 8);
     FAIL() << "no error";
   } catch (const ConfigError& error) {
     EXPECT_THAT(error.what(), HasSubstr("lights.ring.output: is 8, the device has outputs 0 to 7"));

@@ -217,12 +217,14 @@ double fastest_link_mm_s(const ArmWithTool& arm, const CheckedMotion& motion) {
                      arm.tool_radius_mm);
   };
   double fastest = 0.0;
-  for (double t = 0.0; t < leading.duration_s(); t += 0.01) {
+  double t = 0.0;
+  while (t < leading.duration_s()) {
     const ArmShape now = shape(t);
     const ArmShape next = shape(t + 0.001);
     for (std::size_t i = 0; i < now.size(); ++i) {
       fastest = std::max(fastest, (next[i].to_mm - now[i].to_mm).norm() / 0.001);
     }
+    t += 0.01;
   }
   return fastest;
 }

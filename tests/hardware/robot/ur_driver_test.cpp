@@ -106,9 +106,11 @@ TEST(UrDriver, ReadsAPackageThatIsCutAnywhere) {
 // It tells nothing of now.
 TEST(UrDriver, AStampThatIsNoNumberIsNoNewPackage) {
   DriverBench bench;
-  for (double now_s = 0.0; now_s < 0.3; now_s += 0.002) {
+  double now_s = 0.0;
+  while (now_s < 0.3) {
     bench.driver.on_rtde(bench.package(std::nan("")), now_s);
     bench.driver.on_time(now_s);
+    now_s += 0.002;
   }
   ASSERT_TRUE(bench.driver.halted().has_value());
   EXPECT_EQ(bench.driver.halted()->outcome, MotionOutcome::kLost);

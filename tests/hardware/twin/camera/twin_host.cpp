@@ -13,22 +13,21 @@
 #include "hardware/twin/camera/test_pattern.h"
 
 int main(int count, char** words) {
-  using namespace glint;
-  const auto address = count == 3 ? parse_ipv4(words[1]) : std::nullopt;
+  const auto address = count == 3 ? glint::parse_ipv4(words[1]) : std::nullopt;
   if (!address) {
     return 2;
   }
   try {
-    CameraTwinSettings settings;
+    glint::CameraTwinSettings settings;
     settings.address = *address;
     settings.first_frame_id = static_cast<std::uint16_t>(std::atoi(words[2]));
-    TestPatternSource source(settings.sensor_width_px, settings.sensor_height_px);
-    const CameraTwin twin(settings, source);
+    glint::TestPatternSource source(settings.sensor_width_px, settings.sensor_height_px);
+    const glint::CameraTwin twin(settings, source);
     std::puts("ready");
     std::fflush(stdout);
     while (std::getchar() != EOF) {
     }
-  } catch (const Error& error) {
+  } catch (const glint::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 3;
   }

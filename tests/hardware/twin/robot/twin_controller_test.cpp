@@ -34,8 +34,10 @@ std::int32_t register_0(const TwinController& twin) {
 }
 
 void step(TwinController& twin, double duration_s) {
-  for (double t = 0.0; t < duration_s; t += 1.0 / twin.rate_hz()) {
+  double t = 0.0;
+  while (t < duration_s) {
     twin.step(1.0 / twin.rate_hz());
+    t += 1.0 / twin.rate_hz();
   }
 }
 

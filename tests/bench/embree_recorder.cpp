@@ -23,13 +23,13 @@ Function* of_embree(const char* name) {
 }
 
 decltype(rtcIntersect16)* embrees_intersect16() {
-  static auto* const kFound = of_embree<decltype(rtcIntersect16)>("rtcIntersect16");
-  return kFound;
+  static auto* const found = of_embree<decltype(rtcIntersect16)>("rtcIntersect16");
+  return found;
 }
 
 decltype(rtcOccluded16)* embrees_occluded16() {
-  static auto* const kFound = of_embree<decltype(rtcOccluded16)>("rtcOccluded16");
-  return kFound;
+  static auto* const found = of_embree<decltype(rtcOccluded16)>("rtcOccluded16");
+  return found;
 }
 
 RecordedPacket packet_of(const int* valid, const RTCRay16& rays, bool is_coherent) {
@@ -166,21 +166,22 @@ void rtcIntersect16(const int* valid,
                     RTCScene scene,
                     RTCIntersectContext* context,
                     RTCRayHit16* rays) {
-  using namespace glint::bench;
-  if (now_recording != nullptr) {
-    take_down(scene, packet_of(valid, rays->ray, has_coherent_flag(*context)));
+  namespace bench = glint::bench;
+  if (bench::now_recording != nullptr) {
+    bench::take_down(scene, bench::packet_of(valid, rays->ray, bench::has_coherent_flag(*context)));
   }
-  embrees_intersect16()(valid, scene, context, rays);
+  bench::embrees_intersect16()(valid, scene, context, rays);
 }
 
 void rtcOccluded16(const int* valid, RTCScene scene, RTCIntersectContext* context, RTCRay16* rays) {
-  using namespace glint::bench;
-  if (now_recording != nullptr) {
-    RecordedPacket packet = packet_of(valid, *rays, has_coherent_flag(*context));
+  namespace bench = glint::bench;
+  if (bench::now_recording != nullptr) {
+    bench::RecordedPacket packet =
+        bench::packet_of(valid, *rays, bench::has_coherent_flag(*context));
     packet.is_occlusion = true;
-    take_down(scene, packet);
+    bench::take_down(scene, packet);
   }
-  embrees_occluded16()(valid, scene, context, rays);
+  bench::embrees_occluded16()(valid, scene, context, rays);
 }
 
 }  // extern "C"

@@ -25,7 +25,7 @@ std::string output_of(const TemporaryFolder& folder, const std::string& command)
   const std::string redirected =
       fmt::format("cd '{}' && ({}) > shell.out 2>&1", (folder / "").string(), command);
   const int status = std::system(redirected.c_str());
-  const std::string text = read_file(folder / "shell.out");
+  std::string text = read_file(folder / "shell.out");
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << command << "\n" << text;
   return text;
 }

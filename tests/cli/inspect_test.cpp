@@ -328,7 +328,7 @@ TEST_F(InspectVerb, TakesTheThresholdFromFlawlessParts) {
   write_part("good", false);
   const Arguments setting = {"--set", "inspection.threshold=false_alarms"};
   expect_refused(
-      {"part"}, 2, "part: inspection\\.threshold: \"false_alarms\" .*--flawless.*", setting);
+      {"part"}, 2, R"(part: inspection\.threshold: "false_alarms" .*--flawless.*)", setting);
   Arguments more = setting;
   more.insert(more.end(), {"--flawless", "good"});
   const Json result = inspect_json({"part", "good"}, more);

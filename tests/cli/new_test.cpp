@@ -63,7 +63,7 @@ TEST(NewStudy, NamesItsOwnOptionsInErrors) {
     EXPECT_THAT(result.err, ::testing::MatchesRegex(message + "\n"));
   };
   refused({"new", "gone.stl"}, 3, "gone\\.stl: cannot be read: No such file or directory");
-  refused({"new", "tiny.stl"}, 2, "--unit: tiny\\.stl is 0\\.2 mm large: is the file in m\\?.*");
+  refused({"new", "tiny.stl"}, 2, R"(--unit: tiny\.stl is 0\.2 mm large: is the file in m\?.*)");
   refused({"new", "tiny.stl", "--unit", "furlong"}, 2, "--unit: is \"furlong\", must be one of.*");
 }
 

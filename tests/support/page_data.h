@@ -9,7 +9,7 @@ namespace glint::test {
 
 /// What stands in the data element of a page, as text.
 inline std::string page_text(const std::string& page) {
-  const std::string start = "<script type=\"application/json\" id=\"data\">";
+  const std::string start = R"(<script type="application/json" id="data">)";
   const auto at = page.find(start) + start.size();
   return page.substr(at, page.find("</script>", at) - at);
 }

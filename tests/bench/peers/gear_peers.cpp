@@ -63,7 +63,7 @@ ImageF reference_of(const std::string& name,
   }
   progress(fmt::format("reference of {}, {} samples", name, arguments.reference_samples));
   const GearOrder order = {.samples = arguments.reference_samples, .seed = kReferenceSeed};
-  const ImageF reference = render(std::vector<GearOrder>{order}).pictures.front().luminance;
+  ImageF reference = render(std::vector<GearOrder>{order}).pictures.front().luminance;
   write_exr(picture, reference);
   write_file(scene, description_of(gear));
   return reference;

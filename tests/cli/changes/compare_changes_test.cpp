@@ -202,7 +202,7 @@ TEST(KnownChanges, AreGoneOnWithAfterTheLastWholeRow) {
   const TemporaryFolder folder;
   const auto file = folder / "changes.jsonl";
   EXPECT_TRUE(kept_rows(file).empty());
-  for (const std::string cut : {"", "{\"changes\":2,\"na", "{\"changes\":3}"}) {
+  for (const std::string cut : {"", R"({"changes":2,"na)", "{\"changes\":3}"}) {
     write_file(file, "{\"changes\":1}\n{\"changes\":2}\n" + cut);
     EXPECT_EQ(kept_rows(file).size(), 2U) << cut;
     std::ofstream(file, std::ios::app) << R"({"changes":4})"
@@ -246,7 +246,7 @@ TEST(KnownChanges, AreNoneBetweenPicturesWithOtherNoise) {
   render_views(folder, "1");
   render_views(folder, "9");
   const auto pairs_of = [&](const std::string& real) {
-    const nlohmann::json pairs =
+    nlohmann::json pairs =
         json_of(folder, {"compare", "views_1", real, "--quiet", "--out", "out_" + real})["pairs"];
     EXPECT_EQ(pairs.size(), 12U);
     return pairs;

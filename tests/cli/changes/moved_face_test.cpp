@@ -125,10 +125,12 @@ class MovedFace : public ::testing::Test {
       return camera.project(pose * Vector3d(x, y, z_mm)).value();
     };
     double sum = 0.0;
-    for (double y = -7.5; y < 8.0; y += 1.0) {
+    double y = -7.5;
+    while (y < 8.0) {
       const Vector2d along = (pixel(8.0, y + 0.1) - pixel(8.0, y)).normalized();
       const Vector2d step = pixel(8.0 + kMoved_mm, y) - pixel(8.0, y);
       sum += std::abs(along.x() * step.y() - along.y() * step.x()) / 16.0;
+      y += 1.0;
     }
     return sum;
   }

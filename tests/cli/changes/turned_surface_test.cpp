@@ -4,6 +4,7 @@
 // differs from them as they do from each other, where nobody marked pitting.
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 

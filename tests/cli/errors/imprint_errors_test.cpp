@@ -62,7 +62,7 @@ TEST_F(ImprintVerb, RefusesAPaintedFileThatDoesNotFit) {
   expect_refused(scene,
                  2,
                  place_of(scene, "region_file =") +
-                     "defects\\.dent\\.region_file: .*plain\\.ply: .*have no colours.*");
+                     R"(defects\.dent\.region_file: .*plain\.ply: .*have no colours.*)");
 }
 
 TEST_F(ImprintVerb, RefusesAToolFolderThatIsEmpty) {
@@ -79,7 +79,7 @@ TEST_F(ImprintVerb, RefusesAToolThatIsOpen) {
   const std::string scene = edited(kShaft, {{"tool_level = 2", "tool_folder = \"tools\""}});
   write_file(folder_ / "tools/open.off", kOpenTetrahedron);
   const std::string message = place_of(scene, "tool_folder =") +
-                              "defects\\.dent\\.tool_folder: [^ ]*open\\.off: cannot be a tool: .*";
+                              R"(defects\.dent\.tool_folder: [^ ]*open\.off: cannot be a tool: .*)";
   expect_refused(scene, 2, message);
   expect_refused(scene, 2, message, {"--preview_tools"});
 }
@@ -91,7 +91,7 @@ TEST_F(ImprintVerb, RefusesAPartInMetres) {
   expect_refused(
       scene,
       2,
-      "study\\.toml:3:2: part\\.unit: part\\.stl is 0\\.2 mm large: is the file in m\\? .*");
+      R"(study\.toml:3:2: part\.unit: part\.stl is 0\.2 mm large: is the file in m\? .*)");
 }
 
 TEST_F(ImprintVerb, NamesAFolderThatCannotBeMade) {

@@ -91,7 +91,7 @@ TEST_F(InputError, EmptyMesh) {
 TEST_F(InputError, MeshWithNan) {
   expect_refused(with_mesh("file = \"nan.stl\""),
                  kUsage,
-                 ".*nan\\.stl:6:[0-9]+: vertex 2 is not finite \\(20 nan 0\\)");
+                 R"(.*nan\.stl:6:[0-9]+: vertex 2 is not finite \(20 nan 0\))");
 }
 
 // Metres: 200 x 40 mm, a flat sheet. Nothing sees its back, so that it is open does not matter.
@@ -168,7 +168,7 @@ TEST_F(InputError, VariableBeyondItsKeysRange) {
   expect_refused(study,
                  kUsage,
                  place_of(study, "\"lighting.tunnel.duty\"") +
-                     "variables: lighting\\.tunnel\\.duty: is 3, must be in \\[0, 1\\]");
+                     R"(variables: lighting\.tunnel\.duty: is 3, must be in \[0, 1\])");
 }
 
 TEST_F(InputError, UnknownFieldOfAVariable) {

@@ -61,7 +61,7 @@ TEST_F(InspectVerb, RefusesWhatIsNoNumber) {
   ImageF picture(30, 20, 0.5F);
   picture(4, 7) = std::numeric_limits<float>::quiet_NaN();
   write_exr(folder_ / "nan.exr", picture);
-  expect_refused({"nan.exr"}, 2, "nan\\.exr: the value of pixel \\(4, 7\\) is no finite number");
+  expect_refused({"nan.exr"}, 2, R"(nan\.exr: the value of pixel \(4, 7\) is no finite number)");
 }
 
 TEST_F(InspectVerb, RefusesWhatIsNoPicture) {
@@ -84,7 +84,7 @@ TEST_F(InspectVerb, RefusesWrongSettings) {
       {"part"}, 2, "--set: inspection\\.kernel_px: .*", {"--set", "inspection.kernel_px=8"});
   expect_refused({"part"},
                  2,
-                 "--set: camera\\.width_px: must begin with \"inspection\\.\".*",
+                 R"(--set: camera\.width_px: must begin with "inspection\.".*)",
                  {"--set", "camera.width_px=8"});
   write_file(folder_ / "a.toml", "[inspection]\nkernel_pix = 9\n");
   expect_refused({"part"},
@@ -94,7 +94,7 @@ TEST_F(InspectVerb, RefusesWrongSettings) {
                  {"--settings", "a.toml"});
   write_file(folder_ / "b.toml", "[camera]\n");
   expect_refused(
-      {"part"}, 2, "b\\.toml: holds no table \\[inspection\\]", {"--settings", "b.toml"});
+      {"part"}, 2, R"(b\.toml: holds no table \[inspection\])", {"--settings", "b.toml"});
   // Phases need three pictures at least.
   expect_refused({"part/frame_0.png", "part/frame_1.png"},
                  2,

@@ -99,9 +99,9 @@ TEST(UsageError, SetOfAnUnknownKeyNamesTheNearest) {
 
 TEST(UsageError, SetWithoutAPlace) {
   expect_usage_error({"run", "study.toml", "--set", "part.length_mm.x=3"},
-                     "--set: part\\.length_mm\\.x: \"length_mm\" is a plain value and has no keys");
+                     R"(--set: part\.length_mm\.x: "length_mm" is a plain value and has no keys)");
   expect_usage_error({"run", "study.toml", "--set", "variables.\"a.b=3"},
-                     "--set: variables\\.\"a\\.b is no key path");
+                     R"(--set: variables\."a\.b is no key path)");
 }
 
 TEST(UsageError, ReportOfNoRunDirectory) {

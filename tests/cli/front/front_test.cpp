@@ -168,7 +168,7 @@ TEST_F(FrontOfProgram, AConditionOnAnUnknownVariableIsRefused) {
   const std::string study = edited(
       trade_off_study(),
       {{"\"lighting.tunnel.base_mm\" = { min = -10, max = 10 }",
-        "\"lighting.tunnel.base_mm\" = { min = -10, max = 10, when = \"lighting_use == ring\" }"}});
+        R"("lighting.tunnel.base_mm" = { min = -10, max = 10, when = "lighting_use == ring" })"}});
   expect_refused(study,
                  place_of(study, "when =") +
                      "variables: lighting\\.tunnel\\.base_mm: when names the unknown variable "

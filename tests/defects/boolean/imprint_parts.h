@@ -167,7 +167,7 @@ inline std::vector<Vector3d> gear_outline(int teeth, double module_mm, double ed
     const Vector3d& to = corners[(i + 1) % corners.size()];
     const int pieces = std::max(1, static_cast<int>(std::ceil((to - from).norm() / edge_mm)));
     for (int k = 0; k < pieces; ++k) {
-      outline.push_back(from + (static_cast<double>(k) / pieces) * (to - from));
+      outline.emplace_back(from + (static_cast<double>(k) / pieces) * (to - from));
     }
   }
   return outline;

@@ -268,8 +268,9 @@ TEST(ImprintedMesh, RefusesUnusableParts) {
 TEST(Jittered, CuresFlushTools) {
   const ImprintedMesh fresh(cube(100.0, 20));
   for (int i = 0; i < 25; ++i) {
+    const int row = i / 5;
     const double x_mm = -40.0 + 20.0 * (i % 5);
-    const double y_mm = -40.0 + 20.0 * (i / 5);
+    const double y_mm = -40.0 + 20.0 * row;
     const TriangleMesh tool =
         box({x_mm - 2.5, y_mm - 2.5, 45.0}, {x_mm + 2.5, y_mm + 2.5, 50.0}, 2);
     Rng rng(6, Stream::kTest, static_cast<std::uint64_t>(i));

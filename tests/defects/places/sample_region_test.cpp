@@ -179,7 +179,7 @@ std::filesystem::path painted_plate(const Part& plate, const std::string& name, 
     const bool is_top = face_normal(plate.mesh, i).z() > 0.9;
     text += fmt::format("3 {} {} {} 0 {} 0\n", a, b, c, is_top ? green : 0);
   }
-  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / name;
+  std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / name;
   write_file(path, text);
   return path;
 }

@@ -69,7 +69,8 @@ std::vector<std::int32_t> numbered(const TriangleMesh& mesh) {
 }
 
 std::vector<std::int32_t> unlabelled(const TriangleMesh& mesh) {
-  return std::vector<std::int32_t>(mesh.num_triangles(), 0);
+  std::vector<std::int32_t> zeros(mesh.num_triangles(), 0);
+  return zeros;
 }
 
 /// One Loop step, with new normals.

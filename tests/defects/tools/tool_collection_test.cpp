@@ -27,7 +27,7 @@ using ::testing::HasSubstr;
 /// A folder of its own for every test.
 std::filesystem::path fresh_folder() {
   const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path folder =
+  std::filesystem::path folder =
       std::filesystem::path(::testing::TempDir()) / (std::string("glint_tools_") + info->name());
   std::filesystem::remove_all(folder);
   make_folder(folder);

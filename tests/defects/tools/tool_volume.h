@@ -30,7 +30,7 @@ inline FlatCut flat_cut(const TriangleMesh& mesh) {
         below.push_back(a);
       }
       if ((a.z() < 0.0) != (b.z() < 0.0)) {
-        below.push_back(a + a.z() / (a.z() - b.z()) * (b - a));
+        below.emplace_back(a + a.z() / (a.z() - b.z()) * (b - a));
       }
     }
     for (std::size_t c = 2; c < below.size(); ++c) {

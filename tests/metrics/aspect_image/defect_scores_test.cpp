@@ -209,7 +209,8 @@ TEST(BestFrames, KeepTheLargestChangeAgainstTheFlawlessSurface) {
   for (std::size_t i = 0; i < count / 2; ++i) {
     flawless[i] = 0.2f;
   }
-  const double expected = 0.4 * static_cast<double>(count / 2) / static_cast<double>(count);
+  const auto half = count / 2;
+  const double expected = 0.4 * static_cast<double>(half) / static_cast<double>(count);
   const ImageF frame = dent_on_chessboard(0.5f, 0.02f, 0.6f);
   using Values = std::vector<std::vector<float>>;
   frames.add(frame, Values(1, flawless));

@@ -27,7 +27,7 @@ double share_of_period(double x, double period_px) {
 }
 
 Mask everywhere(const ImageF& frame) {
-  return Mask(frame.width(), frame.height(), 1);
+  return {frame.width(), frame.height(), 1};
 }
 
 TEST(FringeScores, FindNoIrregularityInExactStripes) {
@@ -57,7 +57,7 @@ TEST(FringeScores, MeasureAChirpAsItsClosedForm) {
   const auto scores = fringe_scores(frame, everywhere(frame));
   ASSERT_TRUE(scores.has_value());
   ASSERT_EQ(scores->periods % 2, 0);
-  const double n = scores->periods / 2;
+  const int n = scores->periods / 2;
   EXPECT_EQ(n, 39);  // phi(1190) = 20.9: 41 edges at 0.5, 1 ... 20.5; all but two start a spacing
   const double r = std::sqrt(kRatio);
   const double square_ratio = n * (std::pow(r, 2 * n) - 1) * (r - 1) * (r - 1) /

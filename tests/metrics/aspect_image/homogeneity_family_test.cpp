@@ -26,7 +26,7 @@ ImageF painted(int width, int height, const Value& value) {
 }
 
 Mask whole(const ImageF& image) {
-  return Mask(image.width(), image.height(), 1);
+  return {image.width(), image.height(), 1};
 }
 
 double sign_of_square(int x, int y) {

@@ -224,10 +224,11 @@ int fewest_wrong(const std::vector<LabelledPart>& parts, int values) {
   std::vector<std::array<double, 4>> boxes;
   const int count = values * values * values * values;
   for (int code = 0; code < count; ++code) {
+    const int highest = code / (values * values * values);
     boxes.push_back({static_cast<double>(code % values),
                      static_cast<double>(code / values % values),
                      static_cast<double>(code / (values * values) % values),
-                     static_cast<double>(code / (values * values * values))});
+                     static_cast<double>(highest)});
   }
   int fewest = static_cast<int>(parts.size());
   for (const auto& inner : boxes) {

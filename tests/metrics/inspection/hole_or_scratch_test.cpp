@@ -61,7 +61,8 @@ ImageF picture_of(const Shape& shape, Rng& rng) {
       const double away_px = std::hypot(x + 0.5 - shape.x_px, y + 0.5 - shape.y_px);
       for (int i = 0; i < 16 && away_px < 0.5 * shape.length_px + 4.0; ++i) {
         const double px = x + 0.25 * (i % 4) + 0.125;
-        const double py = y + 0.25 * (i / 4) + 0.125;
+        const int row = i / 4;
+        const double py = y + 0.25 * row + 0.125;
         covered += is_covered(shape, px, py) ? 1 : 0;
       }
       aspect(x, y) = static_cast<float>(0.5 + shape.height * covered / 16.0 + rng.normal() / 255.0);

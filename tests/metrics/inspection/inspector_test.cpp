@@ -389,8 +389,10 @@ TEST(ThresholdFor, IsTheSmallestThatKeepsTheFalseAlarms) {
       EXPECT_LE(blobs_at(inspector, responses, threshold), allowed);
       const float below = std::nextafter(static_cast<float>(threshold), 0.0F);
       EXPECT_GT(blobs_at(inspector, responses, static_cast<double>(below)), allowed);
-      for (double higher = threshold; higher < 0.1; higher *= 1.003) {
+      double higher = threshold;
+      while (higher < 0.1) {
         ASSERT_LE(blobs_at(inspector, responses, higher), allowed) << "at " << higher;
+        higher *= 1.003;
       }
     }
   }

@@ -150,7 +150,7 @@ Summary inspected(const std::vector<Photograph>& photographs,
     areas.push_back(area_under_curve(response, photograph.labels, inspector.region()));
     list += fmt::format(" {:.3f}", areas.back());
   }
-  const Summary summary = summary_of(areas);
+  Summary summary = summary_of(areas);
   std::cout << fmt::format("{}: AUC mean {:.3f}, at least {:.3f}, worst {:.3f}; of each:{}\n",
                            name,
                            summary.mean,

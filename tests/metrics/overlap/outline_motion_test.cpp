@@ -72,7 +72,8 @@ std::vector<EdgeOffset> corner_offsets(double size_px, const Vector2d& shift_px,
   constexpr double kNoise = 0.1;
   const double middle = 0.5 * size_px;
   std::vector<EdgeOffset> offsets;
-  for (double along = 0.5; along < middle; along += 1.0) {
+  double along = 0.5;
+  while (along < middle) {
     for (const bool is_upright : {false, true}) {
       const Vector2d normal = is_upright ? Vector2d(-1.0, 0.0) : Vector2d(0.0, -1.0);
       const Vector2d from_corner = is_upright ? Vector2d(0.0, along) : Vector2d(along, 0.0);
@@ -81,6 +82,7 @@ std::vector<EdgeOffset> corner_offsets(double size_px, const Vector2d& shift_px,
                          .normal = normal,
                          .offset_px = normal.dot(shift_px) - own + kNoise * rng.normal()});
     }
+    along += 1.0;
   }
   return offsets;
 }

@@ -48,7 +48,8 @@ ImageF rendered(const Inside& shape, const Pose& pose, int width, int height) {
           corners(x, y) + corners(x + 1, y) + corners(x, y + 1) + corners(x + 1, y + 1);
       int points = inside == 4 ? 64 : 0;
       for (int k = 0; k < 64 && inside % 4 != 0; ++k) {
-        points += holds(x + (k % 8 + 0.5) / 8.0, y + (k / 8 + 0.5) / 8.0) ? 1 : 0;
+        const int row = k / 8;
+        points += holds(x + (k % 8 + 0.5) / 8.0, y + (row + 0.5) / 8.0) ? 1 : 0;
       }
       image(x, y) = static_cast<float>(points) / 64.0F;
     }

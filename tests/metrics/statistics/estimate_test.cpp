@@ -157,8 +157,10 @@ TEST(PoissonRate, IsGarwoodsInterval) {
 }
 
 TEST(PoissonRate, NeverHoldsTheTruthLessThanPromisedAndForManyEventsNotMuchMore) {
-  for (double mean = 0.1; mean < 100.0; mean *= 1.05) {
+  double mean = 0.1;
+  while (mean < 100.0) {
     EXPECT_GE(garwood_coverage(mean), 0.95 - 1e-9) << mean;
+    mean *= 1.05;
   }
   EXPECT_LT(garwood_coverage(50.0), 0.97);
   EXPECT_LT(garwood_coverage(90.0), 0.97);

@@ -124,8 +124,10 @@ TEST(FitPod, EndsTheIntervalWhereTheLikelihoodHasDroppedByHalfOfChiSquare) {
   const double best = largest_penalised_likelihood(trials, fit->a90.value, fit->slope);
   for (const double end : {fit->a90.low, fit->a90.high}) {
     double through = -std::numeric_limits<double>::infinity();
-    for (double slope = 0.5; slope < 15.0; slope += 0.005) {
+    double slope = 0.5;
+    while (slope < 15.0) {
       through = std::max(through, penalised_likelihood(trials, end, slope));
+      slope += 0.005;
     }
     EXPECT_NEAR(best - through, 0.5 * 3.841459, 1e-3);
   }

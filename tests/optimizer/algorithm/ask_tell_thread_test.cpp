@@ -39,7 +39,7 @@ struct Door {
 };
 
 /// Asks 1, 2, 3, ... and stops asking after `limit` questions without ending.
-AskTellThread::Body counting_body(int limit, std::shared_ptr<Door> door) {
+AskTellThread::Body counting_body(int limit, const std::shared_ptr<Door>& door) {
   return [limit, door](const AskTellThread::Call& call) -> std::string {
     for (int i = 1; i <= limit; ++i) {
       if (!call({static_cast<double>(i) / 100.0})) {
@@ -56,16 +56,20 @@ TEST(AskTellThread, HandsOutQuestionsAndAnswers) {
   std::vector<double> told;
   AskTellThread thread(
       [&told](const AskTellThread::Call& call) -> std::string {
-        for (double x = 0.0; x < 3.0; ++x) {
+        double x = 0.0;
+        while (x < 3.0) {
           told.push_back(call({x, -x})->merit);
+          ++x;
         }
         return "had enough";
       },
       10.0);
-  for (double x = 0.0; x < 3.0; ++x) {
+  double x = 0.0;
+  while (x < 3.0) {
     ASSERT_EQ(thread.ask(), Status::kAsked);
     EXPECT_EQ(thread.point(), (std::vector<double>{x, -x}));
     thread.tell({.merit = 10.0 * x});
+    ++x;
   }
   EXPECT_EQ(thread.ask(), Status::kFinished);
   EXPECT_EQ(thread.ask(), Status::kFinished);

@@ -326,7 +326,7 @@ TEST(GradientSearch, AMissingDerivativeIsAFailedTrialThatNamesIt) {
       change(outcome);
       return outcome;
     });
-    EXPECT_EQ(trial.outcome->is_failed, trial.outcome->message != "");
+    EXPECT_EQ(trial.outcome->is_failed, !trial.outcome->message.empty());
     return trial.outcome->message;
   };
   EXPECT_EQ(message("slsqp", [](Outcome&) {}), "");

@@ -195,7 +195,7 @@ TEST(SearchSpace, RefusesWrongConditions) {
   EXPECT_THAT(
       space_error({.name = "a", .kind = Kind::kInteger, .when_name = "a", .when_value = "1"}),
       HasSubstr("itself"));
-  const auto message = [](SearchSpace space) -> std::string {
+  const auto message = [](const SearchSpace& space) -> std::string {
     try {
       check(space);
     } catch (const ConfigError& error) {

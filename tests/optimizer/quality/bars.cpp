@@ -87,8 +87,9 @@ std::optional<std::string> best_peer(const Results& results,
   std::optional<double> best;
   std::string best_name;
   for (const std::string& peer : peers_of_one()) {
+    const std::string method = fmt::format("{}/{}", noise, peer);
     const std::optional<double> gap =
-        mean_over(results, tasks_of_one_objective(), kSeedsOfOne, noise + "/" + peer, score, why);
+        mean_over(results, tasks_of_one_objective(), kSeedsOfOne, method, score, why);
     if (!gap) {
       return std::nullopt;
     }

@@ -72,7 +72,7 @@ SearchResult search_in_epochs(const TemporaryFolder& folder,
   std::atomic<int> interrupt = 0;
   SearchTask task = task_of(algorithm);
   task.review = [&](std::span<const Trial> told) { return rung.review(told); };
-  const SearchResult result = run_search(
+  SearchResult result = run_search(
       task,
       storage,
       [&](const Point& point, int) {

@@ -3,6 +3,7 @@
 // Races of finalists whose true values are known, and what a search expects of its designs.
 #include "optimizer/search/final_race.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -154,7 +155,7 @@ TEST_F(FinalRaceTest, ThatIsCutShortGoesOnWithoutEvaluatingTwice) {
     NoisyBench part = bench;
     std::atomic<int> interrupt = 0;
     const auto stopping = [&](const Entrant& entrant, int replicate) {
-      const Scores scores = part(entrant, replicate);
+      Scores scores = part(entrant, replicate);
       interrupt = part.evaluated == stop ? 1 : 0;
       return scores;
     };

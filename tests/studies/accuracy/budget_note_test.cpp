@@ -64,7 +64,7 @@ TEST(BudgetNote, NamesNoRungThatWasNotTried) {
 
 TEST(BudgetNote, NamesNoRungThatWasLeftOut) {
   ChosenAccuracy chosen = three_rungs();
-  chosen.choice.steps[1].skipped = "\"middle\" differs from \"fine\" by too much";
+  chosen.choice.steps[1].skipped = R"("middle" differs from "fine" by too much)";
   EXPECT_THAT(budget_note(study_of(100), chosen, 30), HasSubstr("by \"coarse\""));
 }
 
@@ -111,7 +111,7 @@ TEST(UnreachedTexts, NameNoStepThatWasLeftOut) {
   }
   EXPECT_THAT(unreached_texts(task, choice, false),
               testing::ElementsAre(HasSubstr("\"direct\" reaches 0.02")));
-  choice.steps[0].skipped = "\"direct\" differs from \"all\" by too much";
+  choice.steps[0].skipped = R"("direct" differs from "all" by too much)";
   EXPECT_THAT(unreached_texts(task, choice, false),
               testing::ElementsAre(HasSubstr("\"all\" reaches 0.05")));
 }

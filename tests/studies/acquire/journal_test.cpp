@@ -232,7 +232,7 @@ TEST(Acquired, NamesFoldersOfViews) {
 TEST(Acquired, RefusesFilesThatAreNone) {
   const TemporaryFolder folder;
   EXPECT_THROW(read_acquired(folder / ""), IoError);
-  write_file(folder / "acquired.json", "{\"kind\": \"plan\"}");
+  write_file(folder / "acquired.json", R"({"kind": "plan"})");
   EXPECT_THROW(read_acquired(folder / ""), ConfigError);
   write_file(folder / "acquired.json", R"({"kind": "acquired", "pictures": [{"view": 3}]})");
   EXPECT_THROW(read_acquired(folder / ""), ConfigError);

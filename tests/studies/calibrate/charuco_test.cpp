@@ -46,7 +46,8 @@ ImageF photograph(const ImageF& sheet, const Isometry3d& camera_from_sheet) {
     for (int x = 0; x < kWidth; ++x) {
       float sum = 0.0F;
       for (int i = 0; i < 16; ++i) {
-        sum += seen(x + (i % 4 + 0.5) / 4.0, y + (i / 4 + 0.5) / 4.0);
+        const int row = i / 4;
+        sum += seen(x + (i % 4 + 0.5) / 4.0, y + (row + 0.5) / 4.0);
       }
       picture(x, y) = sum / 16.0F;
     }

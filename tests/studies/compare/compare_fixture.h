@@ -35,7 +35,7 @@ class CompareFiles : public ::testing::Test {
   std::filesystem::path write(const std::string& name,
                               const ImageF& picture,
                               PixelDepth depth = PixelDepth::k16Bit) const {
-    const std::filesystem::path path = folder_ / name;
+    std::filesystem::path path = folder_ / name;
     std::filesystem::create_directories(path.parent_path());
     if (path.extension() == ".exr") {
       write_exr(path, picture);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/image/image_io.h"

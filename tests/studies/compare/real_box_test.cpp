@@ -91,8 +91,9 @@ Eigen::Isometry3d marked_pose() {
   double best_misfit = 1e300;
   for (int start = 0; start < 64; ++start) {
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    const int tilt = start / 8;
     pose.linear() = (Eigen::AngleAxisd(0.785 * (start % 8), Vector3d::UnitZ()) *
-                     Eigen::AngleAxisd(0.785 * (start / 8), Vector3d::UnitX()))
+                     Eigen::AngleAxisd(0.785 * tilt, Vector3d::UnitX()))
                         .toRotationMatrix();
     pose.translation() = Vector3d(0, 0, 500) - pose.linear() * Vector3d(82, 34, -40);
     double damping = 1e-2;

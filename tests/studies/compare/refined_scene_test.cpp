@@ -58,7 +58,7 @@ class RefinedExposure : public CompareFiles {
     causes.gain = gain;
     causes.roughness_change = roughness_change;
     std::vector<Problem> errors;
-    const SceneSettings scene =
+    SceneSettings scene =
         read_scene(parse_toml(refined_toml(source, causes, store_), "refined.toml"), errors);
     EXPECT_TRUE(errors.empty());
     return scene;

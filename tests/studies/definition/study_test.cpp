@@ -309,8 +309,8 @@ TEST(StudyErrors, AVariableIsRefusedForItsKeysOwnRangeOnly) {
                  {"scan.positions", "{ min = 0, max = 9 }"},
                  {"camera.working_distance_mm", "{ min = -5, max = 900 }"},
                  {"sensor.wavelengths_nm.0", "{ min = -5, max = 600 }"},
-                 {"part.shape", "{ choices = [\"strip\", \"cube\"] }"},
-                 {"lighting.ring.type", "{ choices = [\"ring\", \"torch\"] }"}};
+                 {"part.shape", R"({ choices = ["strip", "cube"] })"},
+                 {"lighting.ring.type", R"({ choices = ["ring", "torch"] })"}};
 
   for (const auto& [name, limits] : refused) {
     const std::vector<Problem> problems = problems_of_variable(name, limits);

@@ -173,7 +173,8 @@ double true_h() {
       double sum = 0.0;
       for (int k = 0; k < 16; ++k) {
         const double x_px = x + (k % 4 + 0.5) / 4.0 - 0.5 * kWidth_px;
-        const double y_px = y + (k / 4 + 0.5) / 4.0 - 0.5 * kHeight_px;
+        const int row = k / 4;
+        const double y_px = y + (row + 0.5) / 4.0 - 0.5 * kHeight_px;
         const double r_mm = kPixel_mm * std::hypot(x_px, y_px);
         sum += disc_share(r_mm, kOuter_mm) - disc_share(r_mm, kInner_mm);
       }

@@ -3,6 +3,7 @@
 // The gallery's scenes that are rendered by path tracing, at the sizes that their READMEs name.
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 

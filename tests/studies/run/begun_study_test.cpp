@@ -119,7 +119,7 @@ TEST(BegunStudy, WiderLimitsAndMoreChoicesBeginAnEpochWithTheSameDesigns) {
   const std::vector<std::string> before = designs_in(folder, 12);
   // Choices before the known ones: their numbers are others.
   const std::string wider = replaced(
-      replaced(replaced(kLonger, "[\"ring\", \"left\"]", "[\"ring+left\", \"ring\", \"left\"]"),
+      replaced(replaced(kLonger, R"(["ring", "left"])", R"(["ring+left", "ring", "left"])"),
                "max = 40, when = \"lighting_use == ring\"",
                "max = 60, when = \"lighting_use in [ring, ring+left]\""),
       "min = 10, max = 30",

@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 SceneSettings scene_with_sets(const std::vector<KeyValue>& sets) {
   const Sweep sweep{.sets = sets};
   std::vector<Problem> problems;
-  const SceneSettings scene =
+  SceneSettings scene =
       read_scene(scene_tables_of(parse_toml(base_scene_text(), "base"), sweep, {}), problems);
   EXPECT_TRUE(problems.empty()) << (problems.empty() ? "" : problems.front().message());
   return scene;

@@ -49,7 +49,7 @@ void make_run(const TemporaryFolder& folder,
               const std::vector<Trial>& trials,
               int best) {
   write_file(folder / "study.resolved.toml", small_study(sensor));
-  write_file(folder / "result.json", "{\"best\": {\"trial\": " + std::to_string(best) + "}}\n");
+  write_file(folder / "result.json", R"({"best": {"trial": )" + std::to_string(best) + "}}\n");
   Storage storage = Storage::open(folder / "study.sqlite", {.config_hash = "test"});
   for (const Trial& trial : trials) {
     storage.put_trial(trial);

@@ -20,10 +20,9 @@
 #include "tests/studies/validate/trial_cell.h"
 #include "tests/support/temporary_folder.h"
 
-namespace glint {
+namespace glint::validate_detail {
 namespace {
 
-using namespace validate_detail;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -158,4 +157,4 @@ TEST(CameraErrors, OfTangentialTermsThatWereMeasuredAreThoseOfTheCalibration) {
 }
 
 }  // namespace
-}  // namespace glint
+}  // namespace glint::validate_detail

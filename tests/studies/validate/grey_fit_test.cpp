@@ -155,7 +155,7 @@ TEST(GreyFit, FindsAPlaceThatSlopesHardlyShow) {
 /// 3000 pixels that one number moves by `slope`, with noise of that size in each half of the slopes
 /// and of what is left at the true place of 1.
 std::pair<double, double> step_with_noise(double slope, double noise, std::uint64_t seed) {
-  using namespace validate_detail;
+  using validate_detail::GreyHalves;
   Rng random(seed, Stream::kTest, 0);
   GreyHalves columns = {Eigen::VectorXd(3000), Eigen::VectorXd(3000)};
   GreyHalves left = columns;
@@ -167,7 +167,7 @@ std::pair<double, double> step_with_noise(double slope, double noise, std::uint6
       left[half][i] = here - unmoved;
     }
   }
-  GreySystem system;
+  validate_detail::GreySystem system;
   system.add(columns, {.term = {.fault = GreyFault::kLightPlace}});
   Eigen::VectorXd sigma;
   const double step = step_of(system, left, &sigma)[0];

@@ -38,7 +38,7 @@ SurfaceMaterial material_of(std::string_view text,
                             std::span<const double> wavelengths_nm = kRgb_nm) {
   MaterialSettings settings;
   EXPECT_THAT(read_material(text, &settings), IsEmpty());
-  return SurfaceMaterial(settings, wavelengths_nm);
+  return {settings, wavelengths_nm};
 }
 
 constexpr std::string_view kSeedMetal = R"([material]

@@ -97,7 +97,8 @@ TEST(BlurKernel, FromOnePixelOnIsTheGaussianAtWholePixelsBitForBit) {
 TEST(BlurKernel, GrowsFromTheIdentityWithoutAStep) {
   EXPECT_EQ(blur_kernel(0.0), std::vector<double>{1.0});
   std::vector<double> last = {1.0};
-  for (double sigma_px = 1e-4; sigma_px < 1.2; sigma_px += 1e-4) {
+  double sigma_px = 1e-4;
+  while (sigma_px < 1.2) {
     std::vector<double> now = blur_kernel(sigma_px);
     EXPECT_NEAR(2.0 * std::accumulate(now.begin() + 1, now.end(), 0.0) + now[0], 1.0, 1e-12);
     EXPECT_GE(now.size(), last.size());
@@ -106,6 +107,7 @@ TEST(BlurKernel, GrowsFromTheIdentityWithoutAStep) {
       EXPECT_NEAR(now[k], last[k], 3e-4) << sigma_px << ", " << k;
     }
     last = std::move(now);
+    sigma_px += 1e-4;
   }
 }
 
@@ -153,7 +155,8 @@ TEST(BlurKernel, OfAHalfPixelMustOvershoot) {
 // Black and white: nothing below black; the white side exceeds 1 by 0.015 at most.
 TEST(BlurKernel, AnEdgeHasNoNegativeLight) {
   double most = 0.0;
-  for (double sigma_px = 0.05; sigma_px < 1.1; sigma_px += 0.05) {
+  double sigma_px = 0.05;
+  while (sigma_px < 1.1) {
     ImageF edge(16, 5);
     for (int y = 0; y < 5; ++y) {
       std::fill_n(edge.row(y) + 8, 8, 1.0F);
@@ -166,6 +169,7 @@ TEST(BlurKernel, AnEdgeHasNoNegativeLight) {
     if (sigma_px > 0.69) {
       EXPECT_LE(high, 1.0F + 1e-6F) << sigma_px;
     }
+    sigma_px += 0.05;
   }
   EXPECT_LT(most, 0.0152);
   EXPECT_GT(most, 0.01);
@@ -173,7 +177,8 @@ TEST(BlurKernel, AnEdgeHasNoNegativeLight) {
 
 // Cut off at 0 it holds some more light than there was: 8 % at most.
 TEST(BlurKernel, ASingleBrightPixelHasNoNegativeLight) {
-  for (double sigma_px = 0.05; sigma_px < 1.1; sigma_px += 0.05) {
+  double sigma_px = 0.05;
+  while (sigma_px < 1.1) {
     ImageF point(15, 15);
     point(7, 7) = 1.0F;
     const ImageF found = blurred(point, sigma_px);
@@ -182,6 +187,7 @@ TEST(BlurKernel, ASingleBrightPixelHasNoNegativeLight) {
     EXPECT_NEAR(total, 1.0 + 0.5 * blur_overshoot(sigma_px), 0.5 * blur_overshoot(sigma_px) + 1e-6)
         << sigma_px;
     EXPECT_LT(total, 1.08);
+    sigma_px += 0.05;
   }
 }
 

@@ -31,7 +31,8 @@ TEST(Rounding, WithoutNoiseMovesEachGreyValueToItsNearestStep) {
 TEST(Rounding, WithNoiseIsABlurredSawtooth) {
   for (const double noise : {0.1, 0.25, 0.5}) {
     double largest = 0.0;
-    for (double grey = 10.0; grey < 11.0; grey += 0.01) {
+    double grey = 10.0;
+    while (grey < 11.0) {
       double expected = 0.0;
       for (int k = 1; k < 60; ++k) {
         expected += (k % 2 == 0 ? 1.0 : -1.0) * std::sin(2.0 * kPi * k * grey) *
@@ -39,6 +40,7 @@ TEST(Rounding, WithNoiseIsABlurredSawtooth) {
       }
       EXPECT_NEAR(bias(grey, noise), expected, 1e-8) << noise << " " << grey;
       largest = std::max(largest, std::abs(expected));
+      grey += 0.01;
     }
     EXPECT_LE(largest, largest_rounding_bias(noise * kGreyStep, kGreyStep) / kGreyStep) << noise;
     EXPECT_GE(largest, 0.55 * largest_rounding_bias(noise * kGreyStep, kGreyStep) / kGreyStep)

@@ -221,7 +221,7 @@ TEST(Bvh, APartWithOneSmallHollowIsNotConvex) {
         (cube.vertex(cube.num_triangles() - 1, 0) + cube.vertex(cube.num_triangles() - 1, 1) +
          cube.vertex(cube.num_triangles() - 1, 2)) /
         3.0;
-    cube.vertices_mm.push_back(centre - depth_mm * normal);
+    cube.vertices_mm.emplace_back(centre - depth_mm * normal);
     cube.triangles.pop_back();
     cube.triangles.push_back({top[0], top[1], middle});
     cube.triangles.push_back({top[1], top[2], middle});

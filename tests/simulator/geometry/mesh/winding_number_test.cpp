@@ -55,7 +55,7 @@ TEST(WindingNumber, InACavityIsZero) {
   TriangleMesh mesh = box();
   const TriangleMesh inner = box();
   for (const Eigen::Vector3d& vertex : inner.vertices_mm) {
-    mesh.vertices_mm.push_back(0.5 * vertex);
+    mesh.vertices_mm.emplace_back(0.5 * vertex);
   }
   for (const Triangle& triangle : inner.triangles) {
     mesh.triangles.push_back({triangle[1] + 8, triangle[0] + 8, triangle[2] + 8});

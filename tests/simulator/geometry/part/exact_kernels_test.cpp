@@ -2,7 +2,9 @@
 #include "simulator/geometry/part/exact_kernels.h"
 
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -144,8 +146,10 @@ TEST(Polish16, ARayGetsTheSameBitsWhateverStandsBesideIt) {
       alone.polish(one.patch, origin, 1.0);
       ASSERT_EQ(together.found[5], alone.found[0]);
       if (alone.found[0] != 0.0) {
-        ASSERT_EQ(std::memcmp(&together.px[5], &alone.px[0], sizeof(double)), 0);
-        ASSERT_EQ(std::memcmp(&together.nz[5], &alone.nz[11], sizeof(double)), 0);
+        ASSERT_EQ(std::bit_cast<std::uint64_t>(together.px[5]),
+                  std::bit_cast<std::uint64_t>(alone.px[0]));
+        ASSERT_EQ(std::bit_cast<std::uint64_t>(together.nz[5]),
+                  std::bit_cast<std::uint64_t>(alone.nz[11]));
       }
     }
   }

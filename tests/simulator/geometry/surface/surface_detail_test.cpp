@@ -36,8 +36,10 @@ TEST(HeightFeature, HasTheHandWorkedLargestSlope) {
   const auto at_sigma = detail.sample({0.2, 0, 0}, Vector3d::UnitZ());
   EXPECT_NEAR(at_sigma.gradient.x(), 4.852e-3, 5e-7);  // a dent rises outwards
   double largest = 0.0;
-  for (double x = 0.0; x < 1.0; x += 0.001) {
+  double x = 0.0;
+  while (x < 1.0) {
     largest = std::max(largest, detail.sample({x, 0, 0}, Vector3d::UnitZ()).gradient.norm());
+    x += 0.001;
   }
   EXPECT_NEAR(largest, dent().max_slope_rad(), 1e-12);
 }

@@ -265,7 +265,7 @@ TEST(FootprintNormal, LeavesOutWhatLiesBeyondASharpEdge) {
 }
 
 std::filesystem::path coloured_ply(const std::string& properties, const std::string& faces) {
-  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "colours.ply";
+  std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "colours.ply";
   write_file(path,
              "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
              "property float z\nelement face 3\nproperty list uchar int vertex_indices\n" +

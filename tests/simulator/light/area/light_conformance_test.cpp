@@ -36,7 +36,7 @@ struct Sweep {
 
 /// Rays in the cone around the emitters' box, or everywhere.
 Sweep sweep(const LightCase& c, const Vector3d& point_mm) {
-  constexpr int n = kRows * 36;
+  const int n = kRows * 36;
   Eigen::AlignedBox3d box;
   for (const Emitter& e : c.lights.emitters) {
     box.extend(bounds_mm(e.shape));
@@ -215,10 +215,10 @@ TEST(EveryLight, GivesNoNanAtItsPlaneBehindItAndOnIt) {
       const ShapePoint on = point_on(e.shape, rng.uniform(), rng.uniform());
       const EmitterFrame plane = frame_around(on.point_mm, on.normal);
       points.push_back(on.point_mm);
-      points.push_back(on.point_mm + 50.0 * plane.x);
-      points.push_back(on.point_mm + 500.0 * plane.y + 1e-12 * on.normal);
-      points.push_back(on.point_mm - 30.0 * on.normal);
-      points.push_back(on.point_mm + 1e-9 * on.normal);
+      points.emplace_back(on.point_mm + 50.0 * plane.x);
+      points.emplace_back(on.point_mm + 500.0 * plane.y + 1e-12 * on.normal);
+      points.emplace_back(on.point_mm - 30.0 * on.normal);
+      points.emplace_back(on.point_mm + 1e-9 * on.normal);
     }
     for (const Vector3d& point : points) {
       for (int i = 0; i < 50; ++i) {

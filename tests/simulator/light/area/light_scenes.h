@@ -190,8 +190,9 @@ inline Eigen::Array3d irradiance(const Lights& lights,
   Rng rng(7, Stream::kTest, 1);
   Eigen::Array3d sum = Eigen::Array3d::Zero();
   for (int i = 0; i < n * n; ++i) {
+    const int row = i / n;
     const double u = (i % n + rng.uniform()) / n;
-    const double v = (i / n + rng.uniform()) / n;
+    const double v = (row + rng.uniform()) / n;
     const auto s = sample_light(lights, point_mm, u, v);
     if (s && s->direction.dot(normal) > 0.0 && !is_occluded(lights, point_mm, *s)) {
       sum += s->radiance.cast<double>() * s->direction.dot(normal) / s->density;

@@ -96,7 +96,7 @@ std::vector<Eigen::Vector2d> places_in_picture(const RingSettings& ring,
     const double radius = ring.leds > 0 ? 0.0 : shape.middle_radius_mm;
     const Eigen::Vector3d at = shape.frame.origin_mm + radius * (std::cos(middle) * shape.frame.x +
                                                                  std::sin(middle) * shape.frame.y);
-    places.push_back((inverse(mounts.scene_from_camera) * at).head<2>());
+    places.emplace_back((inverse(mounts.scene_from_camera) * at).head<2>());
   }
   return places;
 }

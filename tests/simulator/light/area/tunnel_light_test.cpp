@@ -90,8 +90,9 @@ TEST(TunnelLight, BinsTogetherAreTheWholeWall) {
     std::vector<double> of_bin(striped.wall->bin_ends.size(), 0.0);
     Rng rng(7, Stream::kTest, 1);  // the samples of irradiance()
     for (int i = 0; i < 100 * 100; ++i) {
+      const int row = i / 100;
       const double u = (i % 100 + rng.uniform()) / 100;
-      const double v = (i / 100 + rng.uniform()) / 100;
+      const double v = (row + rng.uniform()) / 100;
       const auto s = sample_light(striped, point, u, v);
       if (s && s->direction.z() > 0.0 && !is_occluded(striped, point, *s)) {
         ASSERT_GE(s->group, 0);

@@ -126,8 +126,10 @@ TEST_P(IntersectBlock, MarginIsNegativeExactlyOffTheWall) {
 /// A fan of rays in steps of `step_rad`, from below one rim over the top to below the other.
 TunnelHits fan(double from_rad, double to_rad, double step_rad) {
   TunnelHits met;
-  for (double angle = from_rad; angle < to_rad; angle += step_rad) {
+  double angle = from_rad;
+  while (angle < to_rad) {
     met.add({5.0, 4.0, 6.0, 0.3, std::sin(angle), std::cos(angle)});
+    angle += step_rad;
   }
   return met;
 }

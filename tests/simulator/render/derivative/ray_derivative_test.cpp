@@ -254,10 +254,12 @@ TEST(RayDerivative, OfRefinedRaysIsThatOfRaysTracedAgain) {
       const std::size_t corners = static_cast<std::size_t>((n + 1) * (n + 1));
       const int pixel = group.pixels[i / corners];
       const auto corner = static_cast<int>(i % corners);
+      const int row = pixel / 60;
+      const int row_in_pixel = corner / (n + 1);
       const Vector2d at(pixel % 60 + static_cast<double>(corner % (n + 1)) / n,
-                        pixel / 60 + static_cast<double>(corner / (n + 1)) / n);
-      const EscapePacket a = bench.trace(at, moved_camera(bench.camera_from_world, twist, -1e-3));
-      const EscapePacket b = bench.trace(at, moved_camera(bench.camera_from_world, twist, 1e-3));
+                        row + static_cast<double>(row_in_pixel) / n);
+      const auto a = bench.trace(at, moved_camera(bench.camera_from_world, twist, -1e-3));
+      const auto b = bench.trace(at, moved_camera(bench.camera_from_world, twist, 1e-3));
       if (a.path[0] != RayPath::kOnce || b.path[0] != RayPath::kOnce || a.piece[0] != b.piece[0]) {
         continue;
       }

@@ -64,7 +64,8 @@ inline double summed_by_area(const Lights& lights,
   for (const Emitter& emitter : lights.emitters) {
     const double area = area_mm2(emitter.shape) / (static_cast<double>(n) * n);
     for (int i = 0; i < n * n; ++i) {
-      const ShapePoint place = point_on(emitter.shape, (i % n + 0.5) / n, (i / n + 0.5) / n);
+      const int row = i / n;
+      const ShapePoint place = point_on(emitter.shape, (i % n + 0.5) / n, (row + 0.5) / n);
       const Vector3d way = place.point_mm - point.point_mm;
       const Vector3d direction = way.normalized();
       const double cosine = -place.normal.dot(direction);

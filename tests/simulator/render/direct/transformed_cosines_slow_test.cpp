@@ -47,8 +47,9 @@ std::vector<LobeSample> lobe_samples(const Material& metal, const LocalDirection
   constexpr int kPerAxis = 40;
   std::vector<LobeSample> samples;
   for (int i = 0; i < kPerAxis * kPerAxis; ++i) {
+    const int row = i / kPerAxis;
     const double u = (i % kPerAxis + 0.5) / kPerAxis;
-    const double v = (static_cast<double>(i / kPerAxis) + 0.5) / kPerAxis;
+    const double v = (row + 0.5) / kPerAxis;
     if (const auto drawn = sample(metal, viewer, {u, v, 0.5})) {
       const LocalDirection& to = drawn->to_light;
       const Reflection towards = evaluate(metal, viewer, to);
@@ -87,7 +88,8 @@ Fit fitted(const std::vector<LobeSample>& samples, double albedo, double alpha, 
   Fit best = {alpha, alpha, -std::tan(incidence), std::tan(incidence)};
   best[3] = 0.0;
   double least = misfit(samples, albedo, best);
-  for (double step = 0.2; step > 1e-4; step *= 0.6) {
+  double step = 0.2;
+  while (step > 1e-4) {
     for (int round = 0; round < 12; ++round) {
       for (std::size_t k = 0; k < 8; ++k) {
         Fit next = best;
@@ -97,6 +99,7 @@ Fit fitted(const std::vector<LobeSample>& samples, double albedo, double alpha, 
         least = std::min(least, off);
       }
     }
+    step *= 0.6;
   }
   return best;
 }
@@ -167,7 +170,7 @@ Errors errors_at(const Metal& metal, double alpha, double incidence) {
     const double exact = direct_at(lights, metal.numbers, point, 1e-6);
     std::vector<Vector3d> corners;
     for (const Vector3d& corner : above_horizon(corners_of(rectangle))) {
-      corners.push_back(inverse * corner);
+      corners.emplace_back(inverse * corner);
     }
     const double off = albedo * matt_radiance(above_horizon(corners)) - exact;
     errors.cosines += off * off / kCases;

@@ -23,7 +23,7 @@ constexpr cut_kernels::CutLimits kLimits = {
 ScanPositions cut_positions(double duty, double dark_radiance) {
   TunnelSettings settings = test::bench_tunnel();
   settings.duty = duty;
-  const ScanPositions black(Tunnel(settings), {.positions = 6});
+  ScanPositions black(Tunnel(settings), {.positions = 6});
   ScanPositions positions = black;
   positions.shine(black, dark_radiance);
   return positions;

@@ -240,10 +240,10 @@ struct KernelCases {
     for (auto* array : {&outer, &inner, &per_major, &per_both}) {
       array->resize(v.size());
     }
-    const kernels::Trapezoids shape = {.outer = outer.data(),
-                                       .inner = inner.data(),
-                                       .per_major = per_major.data(),
-                                       .per_both = per_both.data()};
+    kernels::Trapezoids shape = {.outer = outer.data(),
+                                 .inner = inner.data(),
+                                 .per_major = per_major.data(),
+                                 .per_both = per_both.data()};
     kernels::trapezoids(gx.data(), gy.data(), count(), shape);
     return shape;
   }

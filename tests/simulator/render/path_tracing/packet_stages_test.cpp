@@ -32,7 +32,7 @@ std::vector<NamedLight> three_rings() {
 
 PathBench gear_bench(const MaterialSettings& material, const std::vector<NamedLight>& lights) {
   CameraSettings camera = small_camera(1.0, 72, 72);
-  return PathBench(faceted_gear(), material, lights, camera);
+  return {faceted_gear(), material, lights, camera};
 }
 
 /// Rays from above onto the part, as a tracer would have them.

@@ -134,10 +134,9 @@ FrameDifference against_level0(const char* name,
                                const MaterialSettings& material,
                                int samples) {
   const PathBench bench = under_tunnel(tunnel, material);
-  const FrameDifference d =
-      difference(traced_frames(bench, tunnel, {.samples = samples, .channels = 1}),
-                 level0_frames(bench, tunnel),
-                 away_from_silhouettes(bench));
+  FrameDifference d = difference(traced_frames(bench, tunnel, {.samples = samples, .channels = 1}),
+                                 level0_frames(bench, tunnel),
+                                 away_from_silhouettes(bench));
   fmt::print("{:28} rmse {:.4f} mean {:.5f} of contrast {:.3f}, {} px\n",
              name,
              d.rms,

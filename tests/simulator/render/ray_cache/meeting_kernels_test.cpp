@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/render/ray_cache/meeting_kernels.h"
 
+#include <algorithm>
 #include <array>
 
 #include <gtest/gtest.h>
@@ -36,9 +37,7 @@ TEST(MeetPlanes, GivesTheWayToThePlane) {
 TEST(Reflect, MirrorsAtTheNormalAndStartsAboveTheFace) {
   IntersectionLanes lanes = slanted_rays();
   intersect_planes16(1e-6, lanes);
-  for (int i = 0; i < kLanes; ++i) {
-    lanes.normal_z[i] = 1.0;
-  }
+  std::ranges::fill(lanes.normal_z, 1.0);
   orient16(lanes);
   reflect16(0.5, lanes);
   EXPECT_DOUBLE_EQ(lanes.leaving_x[3], 0.6);

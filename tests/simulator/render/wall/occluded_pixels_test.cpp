@@ -155,7 +155,8 @@ double passing_share(const SightBench& bench, const Tunnel& tunnel, int x, int y
       vector_of(bench.rays.seen_x(x, y), bench.rays.seen_y(x, y), bench.rays.seen_z(x, y));
   int passing = 0;
   for (int i = 0; i < n * n; ++i) {
-    const auto direction = bench.camera.ray_through({x + (i % n + 0.5) / n, y + (i / n + 0.5) / n});
+    const int row = i / n;
+    const auto direction = bench.camera.ray_through({x + (i % n + 0.5) / n, y + (row + 0.5) / n});
     const Vector3d along = world_from_camera.rotation * direction.value();
     const double distance_mm = (seen - bench.camera_mm).dot(along);
     const auto hit =

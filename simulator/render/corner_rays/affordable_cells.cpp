@@ -2,8 +2,8 @@
 //
 // Some rows of the picture are traced and refined for themselves, and tell how many rays the whole
 // would have. Each is a window of three rows, since a pixel is judged by its neighbours, too. Cost:
-// 48 rows of corner rays, and only for parts with triangles enough to bend that many pixels;
-// memory of one row.
+// 48 rows of corner rays, 12 where few pixels are bent, and only for parts with triangles enough to
+// bend that many pixels; memory of one row.
 #include "simulator/render/corner_rays/affordable_cells.h"
 
 #include <algorithm>
@@ -22,6 +22,9 @@ constexpr std::array kChoices = {16, 4, 2};
 constexpr int kRowsOfWindow = 3;
 constexpr int kMaxRows = 16;
 constexpr int kRowStep = 8;
+
+/// First rows so many times further apart are looked at: far fewer rays than are allowed is enough.
+constexpr int kGlance = 4;
 
 /// Fewer triangles without an exact surface have edges too short to bend that many pixels.
 constexpr std::size_t kFewTriangles = 2000;
@@ -47,16 +50,16 @@ PinholeIntrinsics window_around(PinholeIntrinsics intrinsics, int y) {
 
 /// Refined pixels of row y.
 PixelCounts count_row(const TraceScene& scene,
-                      const Part& part,
+                      const RefinementNeed& need,
                       const PlacedCamera& placed,
                       int y) {
   const PlacedCamera window = {PinholeCamera(window_around(placed.camera.intrinsics(), y)),
                                placed.camera_from_world};
   const CameraRays rays(window.camera, window.camera_from_world);
-  const RefinementNeed need(window.camera, window.camera_from_world, part, {});
+  const RefinementNeed vertices = need.vertices_in(y - 1, kRowsOfWindow);
   const UpdatePlan everything;
   CornerRays seen = empty_corner_rays(window);
-  CornerTracer tracer(scene, rays, need, everything, nullptr, kChoices.front(), seen);
+  CornerTracer tracer(scene, rays, vertices, everything, nullptr, kChoices.front(), seen);
   for (int row = 0; row <= kRowsOfWindow; ++row) {
     tracer.trace_corners(row);
   }
@@ -77,34 +80,68 @@ std::int64_t rays_of(const PixelCounts& counts, int max_cells) {
   return rays;
 }
 
+/// Refined pixels of some rows, which stand for those of all.
+class SampledRows {
+ public:
+  SampledRows(const TraceScene& scene, const RefinementNeed& need, const PlacedCamera& placed)
+      : scene_(scene), need_(need), placed_(placed) {}
+
+  /// Looks at rows so far apart.
+  void take(int step, ThreadPool& pool) {
+    const int height = placed_.camera.intrinsics().height_px;
+    rows_ = std::max(1, height / step);
+    counts_ = {};
+    for (const PixelCounts& row : pool.map<PixelCounts>(rows_, [&](std::int64_t i) {
+           const int y = std::clamp(static_cast<int>(i) * step + step / 2, 1, height - 2);
+           return count_row(scene_, need_, placed_, y);
+         })) {
+      std::ranges::transform(counts_, row, counts_.begin(), std::plus<>());
+    }
+  }
+
+  /// Whether the picture has at most so many rays when no pixel has more than so many cells.
+  bool are_within(std::int64_t max_rays, int cells) const {
+    return rays_of(counts_, cells) * placed_.camera.intrinsics().height_px <= max_rays * rows_;
+  }
+
+ private:
+  const TraceScene& scene_;
+  const RefinementNeed& need_;
+  const PlacedCamera& placed_;
+  int rows_ = 0;
+  PixelCounts counts_ = {};
+};
+
 }  // namespace
 
 int affordable_cells(const Part& part,
                      const Bvh& bvh,
                      const PlacedCamera& placed,
+                     const RefinementNeed& need,
                      const RenderSettings& settings,
                      ThreadPool& pool,
                      std::int64_t max_rays) {
   const PinholeIntrinsics& in = placed.camera.intrinsics();
-  const std::int64_t pixels = static_cast<std::int64_t>(in.width_px) * in.height_px;
-  if (pixels * static_cast<std::int64_t>(corners_of(kChoices.front())) <= max_rays ||
-      in.height_px < kRowsOfWindow || !has_many_free_triangles(part)) {
+  const std::int64_t row_rays =
+      in.width_px * static_cast<std::int64_t>(corners_of(kChoices.front()));
+  if (row_rays * in.height_px <= max_rays || in.height_px < kRowsOfWindow ||
+      !has_many_free_triangles(part)) {
     return kChoices.front();
   }
   const SurfaceDetail none;
   const TraceScene scene(part, bvh, none, settings);
+  SampledRows sampled(scene, need, placed);
   const int step = std::max(kRowStep, in.height_px / kMaxRows);
-  const int rows = std::max(1, in.height_px / step);
-  PixelCounts counts = {};
-  for (const PixelCounts& row : pool.map<PixelCounts>(rows, [&](std::int64_t i) {
-         const int y = std::clamp(static_cast<int>(i) * step + step / 2, 1, in.height_px - 2);
-         return count_row(scene, part, placed, y);
-       })) {
-    std::ranges::transform(counts, row, counts.begin(), std::plus<>());
+  const int wide_step = kGlance * step;
+  if (row_rays * wide_step <= max_rays) {  // what lies between the rows cannot be too much
+    sampled.take(wide_step, pool);
+    if (sampled.are_within(max_rays / kGlance, kChoices.front())) {
+      return kChoices.front();
+    }
   }
-  const auto affordable = std::ranges::find_if(kChoices, [&](int cells) {
-    return rays_of(counts, cells) * in.height_px <= max_rays * rows;
-  });
+  sampled.take(step, pool);
+  const auto affordable = std::ranges::find_if(
+      kChoices, [&](int cells) { return sampled.are_within(max_rays, cells); });
   return affordable != kChoices.end() ? *affordable : kChoices.back();
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "simulator/render/corner_rays/corner_rays.h"
+#include "simulator/render/corner_rays/detail_reach.h"
 
 namespace glint {
 
@@ -15,11 +16,13 @@ inline constexpr std::int64_t kMaxRefinedRays = 32'000'000;
 /// pixels are bent in every pixel, and 17 x 17 rays in each of a million are 8 GB, for kinks that
 /// no number of cells makes smooth. Does not depend on defects, so that pictures with and without
 /// them are cut alike. The same for any number of threads.
+/// @param need      of the whole picture; only where vertices appear counts
 /// @param max_rays  the limit
 /// @return 16, 4 or 2
 int affordable_cells(const Part& part,
                      const Bvh& bvh,
                      const PlacedCamera& placed,
+                     const RefinementNeed& need,
                      const RenderSettings& settings,
                      ThreadPool& pool,
                      std::int64_t max_rays = kMaxRefinedRays);

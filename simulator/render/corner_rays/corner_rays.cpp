@@ -21,7 +21,7 @@ CornerRays trace_corner_rays(const Part& part,
   const PlacedCamera placed = {camera, camera_from_world};
   const TraceScene scene(part, bvh, detail, settings);
   const RefinementNeed need(camera, camera_from_world, part, detail);
-  const int max_cells = affordable_cells(part, bvh, placed, settings, pool);
+  const int max_cells = affordable_cells(part, bvh, placed, need, settings, pool);
   return trace_planned(scene, placed, need, UpdatePlan(), nullptr, max_cells, pool).rays;
 }
 

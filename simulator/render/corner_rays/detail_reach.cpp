@@ -138,6 +138,16 @@ RefinementNeed::RefinementNeed(const PinholeCamera& camera,
   }
 }
 
+RefinementNeed RefinementNeed::vertices_in(int first, int count) const {
+  const int width = has_vertex_.width();
+  RefinementNeed result;
+  result.has_vertex_ = Mask(width, count);
+  for (int y = 0; y < count; ++y) {
+    std::copy_n(has_vertex_.row(first + y), width, result.has_vertex_.row(y));
+  }
+  return result;
+}
+
 void RefinementNeed::add_feature(const PinholeCamera& camera,
                                  const RigidTransform& camera_from_world,
                                  const HeightFeature& feature) {

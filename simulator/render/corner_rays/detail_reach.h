@@ -19,6 +19,9 @@ class RefinementNeed {
                  const Part& part,
                  const SurfaceDetail& detail);
 
+  /// The need of rows [first, first + count), as rows 0 and on, without that of features.
+  RefinementNeed vertices_in(int first, int count) const;
+
   /// Cells that a pixel within the reach of a feature must be cut into at least, so that their
   /// corners stand no further apart than 1.5 sigma of its cross-section: 2, 4, 8 or 16. Stains: no
   /// further than half their edge; 16 where they are rough.
@@ -37,6 +40,8 @@ class RefinementNeed {
   bool has_vertex(int x, int y) const { return has_vertex_(x, y) != 0; }
 
  private:
+  RefinementNeed() = default;
+
   void add_feature(const PinholeCamera& camera,
                    const RigidTransform& camera_from_world,
                    const HeightFeature& feature);

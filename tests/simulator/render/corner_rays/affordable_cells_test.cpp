@@ -68,7 +68,8 @@ struct Bumpy {
   PlacedCamera placed() const { return {bench.camera, bench.camera_from_world}; }
 
   int affordable(std::int64_t max_rays) {
-    return affordable_cells(bench.part, bench.bvh, placed(), bench.render, pool, max_rays);
+    const RefinementNeed need(bench.camera, bench.camera_from_world, bench.part, {});
+    return affordable_cells(bench.part, bench.bvh, placed(), need, bench.render, pool, max_rays);
   }
 
   CornerRays trace(int max_cells, const SurfaceDetail& detail = {}) {
@@ -94,6 +95,7 @@ TEST(AffordableCells, AreSixteenWhereThePictureIsSmallOrThePartExact) {
   EXPECT_EQ(affordable_cells(strip.part,
                              strip.bvh,
                              {strip.camera, strip.camera_from_world},
+                             {strip.camera, strip.camera_from_world, strip.part, {}},
                              strip.render,
                              bumpy.pool,
                              1000),

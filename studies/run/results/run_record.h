@@ -30,7 +30,7 @@ struct RunCpu {
 struct RunRecord {
   const Study& study;
   const std::filesystem::path& out;  ///< the run's folder
-  const SearchResult& search;  ///< as it is before any, where the study has none
+  const SearchResult& search;        ///< as it is before any, where the study has none
   const SceneStore& store;
   int threads = 1;
   int jobs = 1;

@@ -357,8 +357,7 @@ class CellCalibration {
 
 fs::path calibration_folder(const AcquireOptions& acquire) {
   return acquire.out.empty()
-             ? default_result_folder(fs::absolute(acquire.cell).parent_path().filename().string(),
-                                     ResultKind::kCalibrate)
+             ? default_result_folder(cell_name(acquire.cell), ResultKind::kCalibrate)
              : acquire.out;
 }
 

@@ -324,6 +324,10 @@ std::vector<Problem> shared_outputs(const Cell& cell) {
   return problems;
 }
 
+std::string cell_name(const std::filesystem::path& file) {
+  return std::filesystem::absolute(file).parent_path().filename().string();
+}
+
 const UrSettings& robot_of(const Cell& cell) {
   if (!cell.robot) {
     throw ConfigError(fmt::format("{}: robot: the cell has no robot", cell.file.string()));

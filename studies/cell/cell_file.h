@@ -115,6 +115,9 @@ Cell read_cell(const std::filesystem::path& path);
 /// the cell refuses them; planning, and pictures that are there, do not mind.
 std::vector<Problem> shared_outputs(const Cell& cell);
 
+/// What a cell is called: the name of the folder that its file lies in.
+std::string cell_name(const std::filesystem::path& file);
+
 /// The robot of a cell. @throws ConfigError when the file has no [robot]
 const UrSettings& robot_of(const Cell& cell);
 

@@ -286,11 +286,9 @@ Json grab_pictures(const Cell& cell,
                    const GrabOptions& options,
                    const std::function<void(int, const Frame&)>& told) {
   const CellCamera& settings = camera_of(cell);
-  const fs::path folder =
-      options.out.empty()
-          ? default_result_folder(fs::absolute(cell.file).parent_path().filename().string(),
-                                  ResultKind::kGrab)
-          : options.out;
+  const fs::path folder = options.out.empty()
+                              ? default_result_folder(cell_name(cell.file), ResultKind::kGrab)
+                              : options.out;
   check_grab_folder(folder);
   check_camera_twin(cell);
   const std::unique_ptr<Camera> camera = open_camera_of(settings);

@@ -23,11 +23,6 @@ std::uint32_t behind_cable(std::uint32_t address) {
   return address ^ kNet;
 }
 
-/// Of the folder that the cell's file lies in.
-std::string cell_folder_name(const Cell& cell) {
-  return std::filesystem::absolute(cell.file).parent_path().filename().string();
-}
-
 }  // namespace
 
 CameraServing::CameraServing(const Cell& cell,
@@ -41,7 +36,7 @@ CameraServing::CameraServing(const Cell& cell,
       renderer_(truth, pool_),
       pictures_(renderer_, state),
       camera_({.address = has_cable ? behind_cable(address) : address,
-               .serial = "TWIN-" + cell_folder_name(cell).substr(0, 10),
+               .serial = "TWIN-" + cell_name(cell.file).substr(0, 10),
                .manufacturer_info = std::to_string(token_),
                .sensor_width_px = renderer_.width_px(),
                .sensor_height_px = renderer_.height_px()},

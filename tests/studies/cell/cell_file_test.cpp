@@ -71,6 +71,11 @@ TEST(ReadCell, ConvertsUnitsOnce) {
   EXPECT_EQ(safe_position_of(cell, "").name, "home");
 }
 
+TEST(CellName, IsThatOfTheFolderAround) {
+  EXPECT_EQ(cell_name("cells/robot_cell/cell.toml"), "robot_cell");
+  EXPECT_EQ(cell_name("cell.toml"), std::filesystem::current_path().filename().string());
+}
+
 TEST(ReadCell, LimitsHaveNoDefault) {
   EXPECT_THAT(problem_of(kRobot + kHome), HasSubstr("limits: is missing"));
   for (const char* key : {"tool_speed_mm_s",

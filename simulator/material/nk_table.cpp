@@ -146,7 +146,7 @@ double between(const std::vector<double>& x, const std::vector<double>& y, doubl
     return y.front();
   }
   const double share = (at - x[i - 1]) / (x[i] - x[i - 1]);
-  return y[i - 1] + (y[i] - y[i - 1]) * share;
+  return std::lerp(y[i - 1], y[i], share);  // exact at a row, never beyond its neighbours
 }
 
 /// Two tables as one, at the rows of the first that the second covers.

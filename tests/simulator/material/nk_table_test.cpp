@@ -41,6 +41,13 @@ TEST(NkTable, InterpolatesBetweenItsRows) {
   EXPECT_EQ(table.at(600).k, 4.0);
 }
 
+// y0 + (y1 - y0) * 1 is not y1 where the two are of very different size.
+TEST(NkTable, HasTheValuesOfARowAtItsWavelength) {
+  const NkTable table = parse_nk("wl,n,k\n0.5,0.99991,3\n0.6,9.9991E-06,7E-09\n", "m.csv");
+  EXPECT_EQ(table.at(table.wavelength_nm[1]).n, 9.9991e-6);
+  EXPECT_EQ(table.at(table.wavelength_nm[1]).k, 7e-9);
+}
+
 TEST(NkTable, ReadsBothKindsOfCsv) {
   const NkTable one = parse_nk("wl,n,k\n0.5,1,2\n0.6,2,4\n", "m.csv");
   EXPECT_NEAR(one.at(575).k, 3.5, 1e-12);

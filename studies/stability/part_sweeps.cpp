@@ -14,7 +14,7 @@
 namespace glint::stability {
 namespace {
 
-constexpr double kBuiltinPixel_mm = SweptScene().pixel_mm;
+const double kBuiltinPixel_mm = SweptScene().pixel_mm;
 
 constexpr double kDentSlope = 12.13e-3;  ///< 40 um deep, 8 mm wide: h / (sigma sqrt(e))
 

@@ -231,8 +231,6 @@ bool look_at_triangle(RTCPointQueryFunctionArguments* arguments) {
 struct Bvh::Scene {
   Device device;
   SceneHandle scene;
-  std::once_flag has_unoccluded_faces;
-  UnoccludedFaces unoccluded_faces;
   std::once_flag has_escape_cone;
   EscapeCone escape_cone;
   std::once_flag has_flat_triangles;
@@ -260,14 +258,6 @@ Bvh::Bvh(const TriangleMesh& mesh) : planes_(planes_of(mesh)), scene_(std::make_
 Bvh::~Bvh() = default;
 Bvh::Bvh(Bvh&&) noexcept = default;
 Bvh& Bvh::operator=(Bvh&&) noexcept = default;
-
-const UnoccludedFaces& Bvh::unoccluded_faces(const TriangleMesh& mesh) const {
-  constexpr double kShare = 1e-6;  // half of what rays start above the surface
-  std::call_once(scene_->has_unoccluded_faces, [&] {
-    scene_->unoccluded_faces = find_unoccluded_faces(mesh, kShare * largest_mm_);
-  });
-  return scene_->unoccluded_faces;
-}
 
 const EscapeCone& Bvh::escape_cone(const TriangleMesh& mesh) const {
   std::call_once(scene_->has_escape_cone, [&] { scene_->escape_cone = find_escape_cone(mesh); });

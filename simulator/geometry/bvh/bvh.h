@@ -13,7 +13,6 @@
 #include "simulator/geometry/bvh/ray_packet.h"
 #include "simulator/geometry/bvh/triangle_hit.h"
 #include "simulator/geometry/bvh/triangle_planes.h"
-#include "simulator/geometry/bvh/unoccluded_faces.h"
 #include "simulator/geometry/mesh/triangle_mesh.h"
 
 namespace glint {
@@ -73,10 +72,6 @@ class Bvh {
 
   /// True for a closed convex mesh: a ray that leaves it never meets it again.
   bool is_convex() const { return is_convex_; }
-
-  /// Faces that nothing rises above, for rays that start at least 2e-6 of the largest coordinate
-  /// above their triangle. Found at the first call. @param mesh  the one this was built from
-  const UnoccludedFaces& unoccluded_faces(const TriangleMesh& mesh) const;
 
   /// How rays that have left the part can be known to meet it no more.
   /// Found at the first call. @param mesh  the one this was built from

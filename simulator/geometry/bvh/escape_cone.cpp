@@ -207,11 +207,11 @@ bool is_solid(const TriangleMesh& mesh) {
 EscapeCone find_escape_cone(const TriangleMesh& mesh) {
   // To see whether a larger mesh is closed takes longer than the rays that it saves.
   constexpr std::size_t kMaxTriangles = 200'000;
-  if (mesh.triangles.empty() || mesh.triangles.size() > kMaxTriangles) {
+  if (mesh.triangles.empty()) {
     return {};
   }
   EscapeCone cone = normals_between(mesh);
-  cone.is_empty = cone.is_empty || !is_solid(mesh);
+  cone.is_empty = cone.is_empty || mesh.triangles.size() > kMaxTriangles || !is_solid(mesh);
   return cone;
 }
 

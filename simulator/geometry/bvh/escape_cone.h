@@ -21,8 +21,8 @@ struct EscapeCone {
   bool is_empty = true;            ///< no such direction is known for rays from everywhere
   std::array<double, 3> low = {};  ///< of the components of those normals
   std::array<double, 3> high = {};
-  /// 1 for triangles that nothing rises above, of which some may be overlooked. Without numbers
-  /// when there are none, and for meshes of more than 200,000 triangles.
+  /// 1 for triangles that nothing rises above by more than 1e-7 mm, of which some may be
+  /// overlooked. Without numbers when there are none.
   std::vector<std::uint8_t> is_open;
 };
 

@@ -161,17 +161,16 @@ void PacketStages::set_open(const PathPacket& paths, SurfaceLanes& surface) cons
     return;
   }
   surface.open = {};
-  if (task_.unoccluded_faces.empty()) {
+  if (task_.is_open.empty()) {
     return;
   }
   for (std::size_t i = 0; i < kPacketLanes; ++i) {
     const std::int32_t triangle = paths.hit.triangle[i];
-    const std::int32_t side =
-        triangle >= 0 ? task_.unoccluded_faces.of_triangle[static_cast<std::size_t>(triangle)] : -1;
-    if (side < 0) {
+    if (triangle < 0 || task_.is_open[static_cast<std::size_t>(triangle)] == 0) {
       continue;
     }
-    const Vector3d& normal = task_.unoccluded_faces.normals[static_cast<std::size_t>(side)];
+    const TrianglePlane& plane = task_.scene.bvh.plane(triangle);
+    const Vector3d normal(plane.normal_x, plane.normal_y, plane.normal_z);
     if (normal.dot(vector_at(surface.side, i)) > 0.0) {  // seen from outside
       set_vector(normal, i, surface.open);
     }

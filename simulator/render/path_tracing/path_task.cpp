@@ -73,7 +73,7 @@ PathTask::PathTask(const PhysicalScene& the_scene, const PathSettings& the_setti
       ids(defect_ids(the_scene)),
       camera_numbers(glint::camera_numbers(the_scene)),
       lay(lay_numbers(the_scene.material, the_scene.part.scene_from_part)),
-      unoccluded_faces(the_scene.bvh.unoccluded_faces(the_scene.part.mesh)),
+      is_open(the_scene.bvh.escape_cone(the_scene.part.mesh).is_open),
       flat_triangles(the_scene.bvh.flat_triangles(the_scene.part.mesh)),
       curved_triangles(find_curved_triangles(the_scene, flat_triangles)),
       is_mirror(std::holds_alternative<Mirror>(the_scene.material.plain())) {

@@ -38,7 +38,8 @@ class PathTask {
   std::optional<CameraNumbers> camera_numbers;
   std::optional<ConductorNumbers> metal;
   LayNumbers lay;
-  const UnoccludedFaces& unoccluded_faces;  ///< of the part; not asked where it is convex
+  /// Of the part, not asked where it is convex: 1 for triangles that nothing rises above.
+  const std::vector<std::uint8_t>& is_open;
   const std::vector<std::uint8_t>& flat_triangles;
   std::vector<std::uint8_t> curved_triangles;  ///< 1: of an exact surface that is no plane
   bool intersects_by_kernel = true;            ///< triangles away from those and from detail

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "simulator/geometry/bvh/bvh.h"
 
+#include <array>
 #include <limits>
 #include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/rng.h"
 #include "simulator/geometry/mesh/mesh_edges.h"
 #include "tests/simulator/geometry/geometry_fixtures.h"
 
@@ -264,6 +266,40 @@ TEST(Bvh, PlanesHoldTheirTriangles) {
 
 TEST(EmbreeIsa, IsOneOfTheKnownNames) {
   EXPECT_THAT(embree_isa(), ::testing::AnyOf("AVX512", "AVX2", "AVX", "SSE"));
+}
+
+TEST(Bvh, PacketsOfShadowRaysAreThoseOfSingleRays) {
+  const Part gear = build_part({.shape = PartSettings::Shape::kSpurGear, .facets_mm = 0.1});
+  const Bvh bvh(gear.mesh);
+  Rng rng(4, Stream::kTest, 0);
+  int hidden = 0;
+  for (int packet = 0; packet < 200; ++packet) {
+    RayPacket rays;
+    std::array<bool, kPacketSize> expected = {};
+    for (std::size_t k = 0; k < kPacketSize; ++k) {
+      const Vector3d from(rng.uniform() * 80.0 - 40.0, rng.uniform() * 80.0 - 40.0, 60.0);
+      const Vector3d to(rng.uniform() * 40.0 - 20.0, rng.uniform() * 40.0 - 20.0, 0.0);
+      const Eigen::Vector3f o = from.cast<float>();
+      const Eigen::Vector3f d = (to - from).normalized().cast<float>();
+      rays.origin_x[k] = o.x();
+      rays.origin_y[k] = o.y();
+      rays.origin_z[k] = o.z();
+      rays.direction_x[k] = d.x();
+      rays.direction_y[k] = d.y();
+      rays.direction_z[k] = d.z();
+      rays.t_max[k] = static_cast<float>(20.0 + 60.0 * rng.uniform());
+      rays.valid[k] = k % 5 == 4 ? 0 : -1;
+      expected[k] =
+          bvh.occluded(o.cast<double>(), d.cast<double>(), 0.0, static_cast<double>(rays.t_max[k]));
+    }
+    bvh.occluded16(rays, Coherence::kIncoherent);
+    for (std::size_t k = 0; k < kPacketSize; ++k) {
+      ASSERT_EQ(rays.valid[k] != 0, k % 5 != 4 && !expected[k]);
+      hidden += expected[k] ? 1 : 0;
+    }
+  }
+  EXPECT_GT(hidden, 500);
+  EXPECT_LT(hidden, 3000);
 }
 
 }  // namespace

@@ -156,10 +156,17 @@ TEST(EscapeCone, OpenTrianglesAreKnownForMeshesThatAreNotSolid) {
   EXPECT_EQ(expect_open_as_plainly(mesh), 11);
 }
 
+// In any pose, from where path tracing starts them.
 TEST(EscapeCone, RaysThatLeaveTheFrontOfAnOpenTriangleMeetNothing) {
-  const TriangleMesh mesh = toothed_mesh();
+  const Part gear = build_part({.shape = PartSettings::Shape::kSpurGear,
+                                .gear = {.teeth = 12, .face_width_mm = 8.0},
+                                .facets_mm = 0.02,
+                                .position_mm = {10.0, 20.0, 30.0},
+                                .rotation_rad = {0.3, 1.0, 0.2}});
+  const TriangleMesh& mesh = gear.mesh;
   const EscapeCone cone = find_escape_cone(mesh);
   const Bvh bvh(mesh);
+  constexpr double kStart_mm = 2e-6 * 30.0;
   Rng rng(8, Stream::kTest, 0);
   int left = 0;
   for (std::size_t i = 0; i < mesh.num_triangles(); ++i) {
@@ -169,7 +176,7 @@ TEST(EscapeCone, RaysThatLeaveTheFrontOfAnOpenTriangleMeetNothing) {
       continue;
     }
     const Vector3d centre = (mesh.vertex(i, 0) + mesh.vertex(i, 1) + mesh.vertex(i, 2)) / 3.0;
-    ASSERT_FALSE(bvh.intersect(centre + 1e-3 * normal, direction, 0.0, 1e6)) << i;
+    ASSERT_FALSE(bvh.intersect(centre + kStart_mm * normal, direction, 0.0, 1e6)) << i;
     ++left;
   }
   EXPECT_GT(left, 50);

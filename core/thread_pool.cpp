@@ -10,64 +10,9 @@
 #include <tbb/task_arena.h>
 
 #include "core/error.h"
-
-#ifdef __SANITIZE_THREAD__
-#include <sanitizer/tsan_interface.h>
-#define GLINT_UNWATCHED __attribute__((no_sanitize("thread")))
-#else
-#define GLINT_UNWATCHED
-#endif
+#include "core/jobs.h"
 
 namespace glint {
-namespace {
-
-/// oneTBB is not instrumented: tells a thread sanitizer that what was written before done() is
-/// there for whoever called wait() after it. Nothing in other builds.
-struct Order {
-#ifdef __SANITIZE_THREAD__
-  void done() {
-    __tsan_release(this);
-  }
-
-  void wait() {
-    __tsan_acquire(this);
-  }
-#else
-  void done() {}
-
-  void wait() {}
-#endif
-};
-
-/// What all threads of a loop share.
-struct Loop {
-  const std::function<void(std::int64_t)>& body;
-  Order begin = {};
-  Order end = {};
-
-  void run(std::int64_t first, std::int64_t last) {
-    begin.wait();
-    for (std::int64_t i = first; i != last; ++i) {
-      body(i);
-    }
-    end.done();
-  }
-};
-
-/// What oneTBB copies from thread to thread: one pointer, which a thread sanitizer does not watch.
-class LoopBody {
- public:
-  explicit LoopBody(Loop& loop) : loop_(&loop) {}
-
-  GLINT_UNWATCHED void operator()(const tbb::blocked_range<std::int64_t>& range) const {
-    loop_->run(range.begin(), range.end());
-  }
-
- private:
-  Loop* loop_;
-};
-
-}  // namespace
 
 struct ThreadPool::Arena {
   explicit Arena(int num_threads)
@@ -97,16 +42,27 @@ void ThreadPool::for_each(std::int64_t count, const std::function<void(std::int6
     }
     return;
   }
-  Loop loop = {.body = body};
-  loop.begin.done();
+#ifdef __SANITIZE_THREAD__
+  // oneTBB is not instrumented: a thread sanitizer does not see how its threads wait for each
+  // other.
+  run_jobs(static_cast<std::size_t>(count), num_threads(), [&](std::size_t i) {
+    body(static_cast<std::int64_t>(i));
+  });
+#else
   arena_->arena.execute([&] {
     // Else a thread that waits for the last bodies may begin one of another loop in the meantime.
     tbb::this_task_arena::isolate([&] {
       tbb::parallel_for(
-          tbb::blocked_range<std::int64_t>(0, count, 1), LoopBody(loop), tbb::simple_partitioner());
+          tbb::blocked_range<std::int64_t>(0, count, 1),
+          [&](const tbb::blocked_range<std::int64_t>& range) {
+            for (std::int64_t i = range.begin(); i != range.end(); ++i) {
+              body(i);
+            }
+          },
+          tbb::simple_partitioner());
     });
   });
-  loop.end.wait();
+#endif
 }
 
 int hardware_threads() {

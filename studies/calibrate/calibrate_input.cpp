@@ -6,14 +6,13 @@
 
 #include <fmt/format.h>
 
-#include "core/config/keys.h"
-#include "core/config/toml.h"
 #include "core/file.h"
 #include "core/image/image_io.h"
 #include "hardware/board/board_files.h"
 #include "hardware/poses/pose_pairing.h"
 #include "hardware/poses/pose_reading.h"
 #include "studies/calibrate/corner_file.h"
+#include "studies/calibrate/set_settings.h"
 #include "studies/report/report.h"
 
 namespace glint {
@@ -43,30 +42,6 @@ PairBy said_pairing(const std::vector<KeyValue>& sets) {
     }
   }
   return by;
-}
-
-/// The settings that the command line gives a table.
-template <class Settings>
-Settings said_settings(const std::vector<KeyValue>& sets, const std::string& name) {
-  ConfigNode root = ConfigNode::table();
-  for (const KeyValue& set : sets) {
-    if (set.path.starts_with(name + ".")) {
-      ConfigNode value = parse_override(set.value);
-      value.place = {.file = "--set"};
-      set_path(root, set.path, std::move(value));
-    }
-  }
-  Settings settings;
-  std::vector<Problem> errors;
-  KeyReader reader(root.find(name), name, errors);
-  visit_keys(reader, settings);
-  reader.report_unknown();
-  throw_if_any(errors);
-  return settings;
-}
-
-bool is_of_table(const KeyValue& set, const std::string& name) {
-  return set.path.starts_with(name + ".");
 }
 
 /// Where nothing is calibrated: of the poses alone.
@@ -126,7 +101,7 @@ void visit_keys(KeyVisitor& keys, CameraPrior& prior) {
 
 void read_known_camera(const CalibrateOptions& options, CalibrateInput& input) {
   input.camera = read_camera_file(options.camera);
-  const auto prior = said_settings<CameraPrior>(options.sets, kPriorTable);
+  const auto prior = set_settings<CameraPrior>(options.sets, kPriorTable);
   LensVector sigma;
   sigma << prior.focal_px, prior.focal_px, prior.center_px, prior.center_px,
       Eigen::Vector3d::Constant(prior.radial), Eigen::Vector2d::Constant(prior.tangential);
@@ -185,7 +160,7 @@ void read_robot(const CalibrateOptions& options, CalibrateInput& input) {
   if (!options.method.empty()) {
     input.method = method_of(options.method);
   }
-  input.poses = read_poses(options.poses, said_settings<PoseConvention>(options.sets, kTable));
+  input.poses = read_poses(options.poses, set_settings<PoseConvention>(options.sets, kTable));
   input.notes = input.poses->told;
   std::vector<std::string> pose_names;
   for (const RobotPose& pose : input.poses->poses) {
@@ -394,7 +369,7 @@ CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool&
   }
   input.board = board_of(options);
   input.given_board = input.board;
-  input.five_fold_splits = said_settings<PredictionSettings>(options.sets, kPredictionTable).splits;
+  input.five_fold_splits = set_settings<PredictionSettings>(options.sets, kPredictionTable).splits;
   if (!options.camera.empty()) {
     read_known_camera(options, input);
   }

@@ -19,6 +19,7 @@
 #include "studies/calibrate/calibrate_files.h"
 #include "studies/calibrate/place_file.h"
 #include "studies/calibrate/place_pictures.h"
+#include "studies/calibrate/set_settings.h"
 #include "studies/output/result_folder.h"
 #include "studies/output/result_writer.h"
 
@@ -51,15 +52,11 @@ void visit_keys(KeyVisitor& keys, PlaceSettings& s) {
               "of a point in a picture along one axis; 0 = from what remains");
 }
 
-bool is_of_place(const KeyValue& set) {
-  return set.path.starts_with("place.");
-}
-
 /// What the readers of poses take.
 std::vector<KeyValue> sets_of_poses(const std::vector<KeyValue>& sets) {
   std::vector<KeyValue> others;
   for (const KeyValue& set : sets) {
-    if (!is_of_place(set)) {
+    if (!is_of_table(set, "place")) {
       if (!set.path.starts_with("convention.") && !set.path.starts_with("poses.")) {
         throw ConfigError(fmt::format(
             "--set: {}: must begin with \"place.\", like place.sigma_mm=0.05, \"convention.\" or "
@@ -70,24 +67,6 @@ std::vector<KeyValue> sets_of_poses(const std::vector<KeyValue>& sets) {
     }
   }
   return others;
-}
-
-PlaceSettings place_settings(const std::vector<KeyValue>& sets) {
-  ConfigNode root = ConfigNode::table();
-  for (const KeyValue& set : sets) {
-    if (is_of_place(set)) {
-      ConfigNode value = parse_override(set.value);
-      value.place = {.file = "--set"};
-      set_path(root, set.path, std::move(value));
-    }
-  }
-  PlaceSettings settings;
-  std::vector<Problem> errors;
-  KeyReader reader(root.find("place"), "place", errors);
-  visit_keys(reader, settings);
-  reader.report_unknown();
-  throw_if_any(errors);
-  return settings;
 }
 
 /// Root of the sum of three variances.
@@ -290,7 +269,7 @@ Json place_part(const std::vector<PlaceInput>& inputs, const CalibrateOptions& o
           ? default_result_folder(inputs.front().file.stem().string(), ResultKind::kPlace)
           : options.out;
   check_files(inputs, options, out);
-  const PlaceSettings settings = place_settings(options.sets);
+  const auto settings = set_settings<PlaceSettings>(options.sets, "place");
   CalibrateOptions reading = options;
   reading.sets = sets_of_poses(options.sets);
   std::vector<Placement> placements;

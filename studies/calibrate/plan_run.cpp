@@ -12,8 +12,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/config/keys.h"
-#include "core/config/toml.h"
 #include "core/csv.h"
 #include "core/error.h"
 #include "core/file.h"
@@ -23,6 +21,7 @@
 #include "hardware/poses/camera_file.h"
 #include "hardware/upkeep/pose_plan.h"
 #include "studies/calibrate/known_calibration.h"
+#include "studies/calibrate/set_settings.h"
 #include "studies/output/result_folder.h"
 #include "studies/output/result_writer.h"
 
@@ -37,23 +36,13 @@ using Json = nlohmann::ordered_json;
 const std::array<std::string, 4> plan_files = {"poses.csv", "poses.toml", "plan.json", "run.json"};
 
 PlanSettings plan_settings(const std::vector<KeyValue>& sets) {
-  ConfigNode root = ConfigNode::table();
   for (const KeyValue& set : sets) {
-    if (!set.path.starts_with("plan.")) {
+    if (!is_of_table(set, "plan")) {
       throw ConfigError(
           fmt::format("--set: {}: must begin with \"plan.\", like plan.seed=2", set.path));
     }
-    ConfigNode value = parse_override(set.value);
-    value.place = {.file = "--set"};
-    set_path(root, set.path, std::move(value));
   }
-  PlanSettings settings;
-  std::vector<Problem> errors;
-  KeyReader reader(root.find("plan"), "plan", errors);
-  visit_keys(reader, settings);
-  reader.report_unknown();
-  throw_if_any(errors);
-  return settings;
+  return set_settings<PlanSettings>(sets, "plan");
 }
 
 /// What is planned for.

@@ -16,7 +16,7 @@ constexpr const char* kUnits = "mm|cm|m|inch";
 
 void add_common(CLI::App& app, CommonArguments& common) {
   app.add_flag("--json", common.is_json, "print one JSON object and nothing else on stdout");
-  app.add_flag("--quiet", common.is_quiet, "no progress, no text");
+  app.add_flag("--quiet", common.is_quiet, "print no progress and no text");
   app.add_option("--threads", common.threads, "threads to use")
       ->type_name("N")
       ->capture_default_str()
@@ -43,7 +43,7 @@ CLI::App* add_verb(CLI::App& app,
 
 void add_study(CLI::App& verb, const std::string& file, StudyArguments& study) {
   verb.add_option(file, study.study, "the study or scene")->type_name("FILE")->required();
-  verb.add_option("--set", study.sets, "put this value in place of the file's")
+  verb.add_option("--set", study.sets, "use this value instead of the file's")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
 }
@@ -67,9 +67,9 @@ void add_frontier_charts(CLI::App& frontier, FrontierArguments& chart) {
   CLI::Option* search = frontier.add_flag("--search",
                                           chart.is_search,
                                           "instead: evaluations of the study's search against "
-                                          "its winner; goes on with what --budget cut");
+                                          "its winner; resumes what --budget cut");
   search->excludes(inspector);
-  frontier.add_option("--seeds", chart.seeds, "of --search: runs of each algorithm")
+  frontier.add_option("--seeds", chart.seeds, "with --search: runs of each algorithm")
       ->type_name("N")
       ->capture_default_str()
       ->check(between(1, 1000))
@@ -77,7 +77,7 @@ void add_frontier_charts(CLI::App& frontier, FrontierArguments& chart) {
   frontier
       .add_option("--methods",
                   chart.methods,
-                  "of --search: algorithms, like auto,sbplx (default the study's own)")
+                  "with --search: algorithms, like auto,sbplx (default: the study's own)")
       ->type_name("LIST")
       ->delimiter(',')
       ->needs(search);
@@ -111,7 +111,7 @@ void add_frontier_verb(CLI::App& app, CommandLine& line) {
 void add_verify_replay(CLI::App& run, bool& verify_replay) {
   run.add_flag("--verify_replay",
                verify_replay,
-               "when resuming: compute every recorded question of the search again and compare it");
+               "when resuming: compute every recorded proposal of the search again and compare it");
 }
 
 void add_study_verbs(CLI::App& app, CommandLine& line) {
@@ -125,7 +125,7 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
                            });
   add_study(*run, "STUDY.toml", line.study);
   add_out(*run, line.study.out, "folder of the run (default out/<study name>/run)");
-  add_jobs(*run, line.study.jobs, "candidates at once; results do not depend on it");
+  add_jobs(*run, line.study.jobs, "candidates evaluated at once; results do not depend on it");
   run->add_option("--budget",
                   line.study.budget,
                   "wall clock, like 40s, 30m, 8h; other limits of the study's [budget] hold too")
@@ -133,10 +133,11 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
   add_seed(*run, line.study.seed, "seed of the search");
   add_from(*run, line.study.from);
   add_verify_replay(*run, line.study.verify_replay);
-  run->add_option("--cell",
-                  line.driven_run.cell,
-                  "of a study with [validate]: plan its views for this cell; with --move the robot "
-                  "takes real pictures and both sides are compared")
+  run->add_option(
+         "--cell",
+         line.driven_run.cell,
+         "for a study with [validate]: plan its views for this cell; with --move the robot "
+         "takes real pictures, which are compared with the simulated ones")
       ->type_name("FILE")
       ->check(not_empty());
   add_driving_options(*run, line.driven_run, "with --cell: ");
@@ -148,7 +149,7 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
                line,
                [](const CommandLine& given) { return check_command(given.study, given.common); });
   add_study(*check, "STUDY.toml", line.study);
-  add_jobs(*check, line.study.jobs, "candidates at once, for the prediction");
+  add_jobs(*check, line.study.jobs, "candidates evaluated at once, for the prediction");
   CLI::App* render =
       add_verb(app,
                "render",
@@ -161,7 +162,7 @@ void add_study_verbs(CLI::App& app, CommandLine& line) {
   add_study(*render, "SCENE.toml", line.study);
   add_out(*render, line.study.out, "folder for the pictures (default out/<study name>/render)");
   render->add_flag(
-      "--masks", line.study.is_masks, "masks and geometry only, without sampling any light");
+      "--masks", line.study.is_masks, "write masks and geometry only, without sampling any light");
   add_frontier_verb(app, line);
 }
 
@@ -169,7 +170,7 @@ void add_stability_verb(CLI::App& app, CommandLine& line) {
   CLI::App* verb = add_verb(
       app,
       "stability",
-      "find where methods fail: sweeps from harmless to hopeless, each judged",
+      "find where methods fail: sweeps from harmless to hopeless",
       "glint stability --out out/stability --sweep gain --sweep slot",
       line,
       [](const CommandLine& given) { return stability_command(given.stability, given.common); });
@@ -177,18 +178,20 @@ void add_stability_verb(CLI::App& app, CommandLine& line) {
   add_study(*verb, "STUDY.toml", arguments.study);
   verb->get_option("STUDY.toml")
       ->required(false)
-      ->description("its scene takes the place of the built-in one (default: none)");
+      ->description("study whose scene replaces the built-in one (default: none)");
   add_out(*verb,
           arguments.study.out,
-          "folder for page and numbers (default out/<study name>/stability, of --run "
+          "folder for page and numbers (default out/<study name>/stability, with --run "
           "out/<study name>/stability_winner, without a study out/stability)");
-  verb->add_option("--run", arguments.run, "does the winner of this run lose when disturbed?")
+  verb->add_option("--run",
+                   arguments.run,
+                   "ask instead whether the winner of this run still wins when disturbed")
       ->type_name("DIR");
-  verb->add_option("--sweep", arguments.sweeps, "this sweep alone")
+  verb->add_option("--sweep", arguments.sweeps, "measure this sweep only; repeat for several")
       ->type_name("NAME")
       ->allow_extra_args(false);
   verb->add_flag("--list", arguments.is_list, "list the sweeps and measure none");
-  verb->add_option("--budget", arguments.budget_min, "wall clock in minutes, at most")
+  verb->add_option("--budget", arguments.budget_min, "limit of wall clock time in minutes")
       ->type_name("MINUTES")
       ->check(positive(""));
   verb->add_option("--h_points", arguments.h_points, "allowed error of h in points (default 0.5)")
@@ -222,8 +225,8 @@ void add_imprint_verb(CLI::App& app, CommandLine& line) {
       ->add_option("--count", line.imprint.count, "number of parts, in part_0000, part_0001, ...")
       ->type_name("N")
       ->check(between(1, 1'000'000));
-  add_seed(*imprint, line.imprint.study.seed, "instead of imprint.seed");
-  imprint->add_flag("--no_previews", line.imprint.is_without_previews, "no pictures");
+  add_seed(*imprint, line.imprint.study.seed, "seed that replaces imprint.seed");
+  imprint->add_flag("--no_previews", line.imprint.is_without_previews, "write no pictures");
   imprint->add_flag(
       "--preview_tools", line.imprint.is_preview_of_tools, "draw the tools only, make no part");
 }
@@ -253,7 +256,7 @@ void add_inspect_verb(CLI::App& app, CommandLine& line) {
   inspect
       ->add_option("--reference_mask",
                    arguments.reference_mask,
-                   "mask of such a part in any pose: fitted to each part's silhouette")
+                   "mask of such a part in any pose, fitted to each part's silhouette")
       ->type_name("FILE");
   inspect->add_option("--settings", arguments.settings, "TOML file with a table [inspection]")
       ->type_name("FILE")
@@ -287,7 +290,7 @@ void add_part_verb(CLI::App& app, CommandLine& line) {
   part->add_option("--out", line.part.out, "write the mesh: .stl .ply .obj .off")
       ->type_name("FILE")
       ->check(not_empty());
-  part->add_option("--unit", line.part.unit, "of the file")
+  part->add_option("--unit", line.part.unit, "unit of the file")
       ->type_name(kUnits)
       ->capture_default_str();
   part->add_option("--crease_deg", line.part.crease_deg, "edges sharper than this are not smoothed")
@@ -310,7 +313,7 @@ void add_new_verb(CLI::App& app, CommandLine& line) {
                line,
                [](const CommandLine& given) { return new_command(given.fresh, given.common); });
   fresh->add_option("PART", line.fresh.part, "mesh file")->type_name("FILE")->required();
-  fresh->add_option("--unit", line.fresh.unit, "of the mesh")
+  fresh->add_option("--unit", line.fresh.unit, "unit of the mesh")
       ->type_name(kUnits)
       ->capture_default_str();
   fresh
@@ -318,7 +321,10 @@ void add_new_verb(CLI::App& app, CommandLine& line) {
                    line.fresh.camera,
                    "data sheet: a TOML file with [camera] keys, or key=value,key=value")
       ->type_name("FILE|KEYS");
-  fresh->add_option("--working_distance_mm", line.fresh.working_distance_mm, "pinhole to part")
+  fresh
+      ->add_option("--working_distance_mm",
+                   line.fresh.working_distance_mm,
+                   "distance from the pinhole to the part")
       ->type_name("MM")
       ->capture_default_str()
       ->check(between(1.0, 100000.0));
@@ -348,12 +354,14 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
       ->type_name("FILE")
       ->check(not_empty())
       ->excludes("--out");
-  CLI::Option* analyse = report->add_flag(
-      "--analyse", line.report.is_analysed, "what the scores of one run owe to each variable");
+  CLI::Option* analyse =
+      report->add_flag("--analyse",
+                       line.report.is_analysed,
+                       "analyse how much each variable matters to the scores of one run");
   report
       ->add_option("--evaluate",
                    line.report.evaluate,
-                   "evaluate space-filling designs for the analysis, until it has N")
+                   "evaluate space-filling designs until the analysis has N of them")
       ->type_name("N")
       ->check(between(1, 1000000))
       ->needs(analyse);
@@ -373,9 +381,9 @@ void add_other_verbs(CLI::App& app, CommandLine& line) {
                    "a key, a table, a score, a kind of defect or light, or a part of a name; "
                    "without it the tables are listed")
       ->type_name("KEY");
-  explain->add_flag("--all", line.explain.is_all, "every key and every score");
+  explain->add_flag("--all", line.explain.is_all, "print every key and every score");
   explain->add_flag(
-      "--schema", line.explain.is_schema, "the JSON schema of study files, for editors");
+      "--schema", line.explain.is_schema, "print the JSON schema of study files, for editors");
 }
 
 }  // namespace

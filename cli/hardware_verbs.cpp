@@ -19,30 +19,32 @@ void add_calibrate_modes(CLI::App& calibrate, CalibrateArguments& arguments) {
   calibrate
       .add_option("--check",
                   arguments.checked,
-                  "whether this calibration.json, or the one in this folder, holds for PICTURES")
+                  "instead: check whether this calibration (file or folder) holds for PICTURES")
       ->type_name("FILE")
       ->check(not_empty());
   calibrate
       .add_option("--sensor",
                   arguments.sensor,
-                  "gain and noise of the sensor from this folder's pictures of even light instead")
+                  "instead: sensor gain and noise from this folder's pictures of uniform light")
       ->type_name("DIR")
       ->check(not_empty());
   calibrate
-      .add_option("--bits", arguments.bits, "of their codes; not given: what the largest one needs")
+      .add_option("--bits",
+                  arguments.bits,
+                  "with --sensor: depth of the codes in bits (default: what the largest needs)")
       ->type_name("8|10|12|16")
       ->check(CLI::IsMember({8, 10, 12, 16}).description("8, 10, 12 or 16"));
   calibrate
-      .add_option("--plan",
-                  arguments.planned,
-                  "so many poses to photograph --board from, for a rough --camera, instead")
+      .add_option(
+          "--plan",
+          arguments.planned,
+          "instead: plan this many poses to photograph --board from, given a rough --camera")
       ->type_name("N")
       ->check(between(1, 1000));
   calibrate
-      .add_option(
-          "--points",
-          arguments.points,
-          "CSV of points in the robot's base: drawn into PICTURES by the calibration --camera")
+      .add_option("--points",
+                  arguments.points,
+                  "instead: draw this CSV's points, in the robot's base, into PICTURES by --camera")
       ->type_name("FILE")
       ->check(not_empty());
 }
@@ -51,8 +53,9 @@ void add_place_mode(CLI::App& calibrate, CalibrateArguments& arguments) {
   calibrate
       .add_option("--place",
                   arguments.placed,
-                  "where the part is: CSV of points that the robot touched or that pictures show, "
-                  "or TOML of a board on the part; given again for each time the part was put down")
+                  "instead: find where the part is from a CSV of points that the robot touched or "
+                  "that pictures show, or a TOML of a board on the part; repeat for each time the "
+                  "part was put down")
       ->type_name("FILE")
       ->allow_extra_args(false);
 }
@@ -76,8 +79,9 @@ void add_compare_verb(CLI::App& app, CommandLine& line) {
       ->required();
   add_out(*compare, arguments.out, "folder for the results (default out/<name>/compare)");
   compare
-      ->add_option(
-          "--pairs", arguments.pairs, "CSV file: simulated,real[,mask]; else by name, or order")
+      ->add_option("--pairs",
+                   arguments.pairs,
+                   "CSV of pairs: simulated,real[,mask] (default: paired by name, else by order)")
       ->type_name("FILE")
       ->check(not_empty());
   compare->add_option("--mask", arguments.mask, "picture that is bright where the real part is")
@@ -86,32 +90,31 @@ void add_compare_verb(CLI::App& app, CommandLine& line) {
   compare
       ->add_option("--scene",
                    arguments.scene,
-                   "scene of a simulated picture that comes without one: names edges and causes")
+                   "scene of a simulated picture that comes without one, to name edges and causes")
       ->type_name("FILE.toml")
       ->check(not_empty());
   compare
       ->add_option("--outline",
                    arguments.outline,
-                   "how the real part is found: by brightness, by a cut, or edges inside it")
+                   "find the real part by brightness, by a graph cut, or use edges inside it")
       ->type_name("auto|threshold|grab_cut|inner")
       ->capture_default_str();
   compare->add_flag(
-      "--offset", arguments.has_offset, "exposures may differ by an offset, not by a gain alone");
+      "--offset", arguments.has_offset, "let exposures differ by an offset as well as a gain");
   compare->add_flag("--calibrated",
                     arguments.is_lens_known,
-                    "the scene's camera is calibrated: only pose and gain may differ");
+                    "take the scene's camera as calibrated: only pose and gain may differ");
   compare
       ->add_option("--calibration",
                    arguments.calibration,
-                   "calibration.toml of the real camera: its lens is no cause")
+                   "calibration.toml of the real camera, to correct its lens before causes")
       ->type_name("FILE")
       ->check(not_empty());
   compare->add_flag("--roughness",
                     arguments.has_roughness,
-                    "the metal's roughness may differ: renders each scene up to three times more");
-  compare->add_flag("--refine",
-                    arguments.is_refining,
-                    "write the scene with what explains the differences put in");
+                    "let the metal's roughness differ: renders up to three times more");
+  compare->add_flag(
+      "--refine", arguments.is_refining, "write the scene corrected by the causes found");
 }
 
 int validate_command(const CommandLine& given) {
@@ -140,19 +143,20 @@ void add_validate_verb(CLI::App& app, CommandLine& line) {
   validate
       ->add_option("--pictures",
                    arguments.pictures,
-                   "real pictures: a folder for each design, of glint acquire or of pictures "
-                   "named view_01, view_02, ...; with --cell where they go (default beside RUN)")
+                   "real pictures: a folder for each design, from glint acquire or with pictures "
+                   "named view_01, view_02, ...; with --cell: where they are written (default: "
+                   "beside RUN)")
       ->type_name("DIR")
       ->check(not_empty());
   validate
       ->add_option("--designs",
                    arguments.designs,
-                   "names with commas between them; else as [validate] says, or all with pictures")
+                   "names, separated by commas (default: those of [validate], else all)")
       ->type_name("NAMES");
   validate
       ->add_option("--calibration",
                    arguments.calibration,
-                   "calibration.toml of the camera; else what the pictures were taken by")
+                   "calibration.toml of the camera (default: as in acquired.json or the scene)")
       ->type_name("FILE")
       ->check(not_empty());
   validate->add_flag("--refit",
@@ -181,7 +185,7 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
   CLI::App* calibrate = add_verb(
       app,
       "calibrate",
-      "a real camera from pictures of a board, its place on a robot from poses",
+      "calibrate a real camera from pictures of a board, and its place on a robot from poses",
       "glint calibrate board/*.png --board board.toml --out out/camera\n"
       "  glint calibrate board/*.png --board board.toml --poses poses.csv --setup eye_in_hand\n"
       "  glint calibrate --print_board board.toml --out out/board\n"
@@ -210,14 +214,13 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
   calibrate
       ->add_option("--camera",
                    arguments.camera,
-                   "intrinsics that are known: TOML, YAML of OpenCV or ROS, XML of ViSP or OpenCV")
+                   "known intrinsics: TOML, YAML of OpenCV or ROS, XML of ViSP or OpenCV")
       ->type_name("FILE")
       ->check(not_empty());
   add_out(*calibrate, arguments.out, "folder for the results (default out/<folder>/calibrate)");
-  calibrate->add_option("--setup", arguments.setup, "the robot carries the camera, or the board")
+  calibrate->add_option("--setup", arguments.setup, "what the robot carries: camera or board")
       ->type_name("eye_in_hand|eye_to_hand");
-  calibrate
-      ->add_option("--method", arguments.method, "a closed form of OpenCV instead of our solution")
+  calibrate->add_option("--method", arguments.method, "use this closed form of OpenCV instead")
       ->type_name("tsai|park|horaud|andreff|daniilidis|shah|li");
   calibrate
       ->add_option("--set",
@@ -227,7 +230,7 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   calibrate
-      ->add_option("--print_board", arguments.printed, "write this board as SVG and PDF instead")
+      ->add_option("--print_board", arguments.printed, "instead: write this board as SVG and PDF")
       ->type_name("FILE")
       ->check(not_empty());
   add_calibrate_modes(*calibrate, arguments);
@@ -241,7 +244,7 @@ void add_undistort_verb(CLI::App& app, CommandLine& line) {
   CLI::App* undistort = add_verb(
       app,
       "undistort",
-      "pictures as a camera without distortion would have taken them",
+      "redraw pictures as a camera without distortion would have taken them",
       "glint undistort photos/*.png --camera out/camera/calibration.toml --out out/straight",
       line,
       [](const CommandLine& given) { return undistort_command(given.undistort, given.common); });
@@ -270,7 +273,7 @@ void add_cover_verb(CLI::App& app, CommandLine& line) {
   cover
       ->add_option("--pod",
                    line.cover.pod,
-                   "folder of a run with [pod]: the smallest defect that is found then follows it")
+                   "folder of a run with [pod]: a defect must also be as large as that study's a90")
       ->type_name("DIR")
       ->check(not_empty());
 }
@@ -289,13 +292,13 @@ int run_plan(const CommandLine& given) {
 void add_plan_verb(CLI::App& app, CommandLine& line) {
   CLI::App* plan = add_verb(app,
                             "plan",
-                            "which views of a scene a cell's arm can take, and the way to them",
+                            "plan which views of a scene a cell's arm can take and how",
                             "glint plan scene.toml --cell cell.toml --out out/plan\n"
                             "  glint plan study.toml --cell cell.toml --json",
                             line,
                             &run_plan);
   add_study(*plan, "SCENE.toml", line.plan.study);
-  plan->add_option("--cell", line.plan.cell, "the cell's file; nothing in it is connected to")
+  plan->add_option("--cell", line.plan.cell, "the cell's file; no device in it is connected to")
       ->type_name("FILE")
       ->required()
       ->check(not_empty());
@@ -303,25 +306,28 @@ void add_plan_verb(CLI::App& app, CommandLine& line) {
 }
 
 void add_cell_twin_options(CLI::App& cell, CellArguments& arguments) {
-  cell.add_option(
-          "--port", arguments.port, "twin: first of five ports; 0: free ones; else the cell's")
+  cell.add_option("--port",
+                  arguments.port,
+                  "twin: first of five ports, 0 for free ones (default: the cell's ports)")
       ->type_name("N")
       ->check(between(0, 65531));
-  cell.add_flag("--cable", arguments.has_cable, "twin: the camera's cable can be made bad");
-  cell.add_flag("--detach", arguments.is_detached, "twin: go on in the background");
+  cell.add_flag("--cable", arguments.has_cable, "twin: let the camera's cable be made faulty");
+  cell.add_flag("--detach", arguments.is_detached, "twin: keep running in the background");
   const auto add_file = [&cell](const char* name, auto& file, const char* doc) {
     cell.add_option(name, file, doc)->type_name("FILE")->check(not_empty());
   };
-  add_file("--ready_file", arguments.ready_file, "twin: appears when the twins serve");
-  add_file("--twin", arguments.twin, "drive the twins of this ready file, and nothing else");
+  add_file("--ready_file",
+           arguments.ready_file,
+           "twin: file that is written once the twins are serving");
+  add_file("--twin", arguments.twin, "drive the twins of this ready file and nothing else");
 }
 
 void add_cell_grab_options(CLI::App& cell, CellArguments& arguments) {
-  cell.add_option("--count", arguments.count, "grab: how many pictures")
+  cell.add_option("--count", arguments.count, "grab: number of pictures")
       ->type_name("N")
       ->capture_default_str()
       ->check(between(1, 1'000'000));
-  add_out(cell, arguments.out, "grab: folder of the pictures (default out/<name>/grab)");
+  add_out(cell, arguments.out, "grab: folder for the pictures (default out/<name>/grab)");
 }
 
 void add_cell_verb(CLI::App& app, CommandLine& line) {
@@ -329,7 +335,7 @@ void add_cell_verb(CLI::App& app, CommandLine& line) {
   CLI::App* cell =
       add_verb(app,
                "cell",
-               "a real camera and robot, and their twins",
+               "drive a real camera and robot, or their twins",
                "glint cell list\n"
                "  glint cell status cell.toml\n"
                "  glint cell grab cell.toml --count 20 --out out/grab\n"
@@ -343,21 +349,24 @@ void add_cell_verb(CLI::App& app, CommandLine& line) {
       ->required();
   cell->add_option("CELL",
                    arguments.words,
-                   "the cell's file; of twins before it: camera, robot, both, stop, place or light")
+                   "the cell's file; with twin after camera, robot, both, stop, place or light")
       ->type_name("FILE");
   cell->add_flag("--move",
                  arguments.is_move,
                  "let the robot move: only when nobody is within reach of the arm");
-  cell->add_option("--view", arguments.view, "move: name or number of a view; safe: a position")
+  cell->add_option(
+          "--view", arguments.view, "move: name or number of a view; safe: name of a safe position")
       ->type_name("NAME");
-  cell->add_option("--speed_share", arguments.speed_share, "of the cell's limits of speed")
+  cell->add_option(
+          "--speed_share", arguments.speed_share, "fraction of the cell's speed limits to use")
       ->type_name("SHARE")
       ->capture_default_str()
       ->check(between(0.01, 1.0));
-  cell->add_flag(
-      "--line", arguments.is_line, "move, safe: the TCP goes straight there (movel, not movej)");
-  cell->add_flag("--off", arguments.is_off, "power: off instead of on");
-  cell->add_option("--duration_s", arguments.duration_s, "watch: for so long")
+  cell->add_flag("--line",
+                 arguments.is_line,
+                 "move, safe: take the TCP there in a straight line (movel, not movej)");
+  cell->add_flag("--off", arguments.is_off, "power: switch off instead of on");
+  cell->add_option("--duration_s", arguments.duration_s, "watch: duration in seconds")
       ->type_name("S")
       ->capture_default_str()
       ->check(positive());
@@ -376,7 +385,7 @@ void add_acquire_verb(CLI::App& app, CommandLine& line) {
   CLI::App* acquire = add_verb(
       app,
       "acquire",
-      "real pictures from planned views: the robot moves",
+      "take real pictures from planned views: the robot moves",
       "glint acquire out/run/winner/scene.toml --cell cell.toml --out out/acquired --move\n"
       "  glint acquire out/plan --cell cell.toml --dry_run",
       line,
@@ -384,7 +393,7 @@ void add_acquire_verb(CLI::App& app, CommandLine& line) {
   acquire
       ->add_option("SCENE|PLAN",
                    arguments.source,
-                   "a scene, plan.json, or a folder with one; without it the cell's own views")
+                   "a scene, plan.json, or a folder with one (default: the cell's own views)")
       ->type_name("FILE");
   acquire->add_option("--cell", arguments.cell, "the cell's file")
       ->type_name("FILE")
@@ -392,7 +401,7 @@ void add_acquire_verb(CLI::App& app, CommandLine& line) {
       ->check(not_empty());
   add_out(*acquire, arguments.out, "folder for the pictures (default out/<folder>/acquire)");
   acquire->add_flag(
-      "--dry_run", arguments.is_dry_run, "print what would be done; connects to nothing");
+      "--dry_run", arguments.is_dry_run, "print what would be done, connect to nothing");
   add_driving_options(*acquire, arguments, "");
   add_mounted_option(*acquire, arguments, "");
 }

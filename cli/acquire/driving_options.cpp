@@ -12,25 +12,29 @@ void add_targets(CLI::App& calibrate, CellCalibrationArguments& arguments) {
   calibrate
       .add_option("--target_px",
                   arguments.target_px,
-                  "with --cell: good enough is a computed point known to this")
+                  "with --cell: stop when the predicted standard deviation of a computed point is "
+                  "at most this")
       ->type_name("PX")
       ->capture_default_str()
       ->check(positive());
   calibrate
-      .add_option("--target_mm",
-                  arguments.target_mm,
-                  "with --cell: and the camera's place on the flange to this (stated sigma)")
+      .add_option(
+          "--target_mm",
+          arguments.target_mm,
+          "with --cell: and that of the camera's position on the flange (default: not required)")
       ->type_name("MM")
       ->check(positive());
   calibrate
-      .add_option("--target_deg",
-                  arguments.target_deg,
-                  "with --cell: and its turn there to this (stated sigma)")
+      .add_option(
+          "--target_deg",
+          arguments.target_deg,
+          "with --cell: and that of the camera's rotation on the flange (default: not required)")
       ->type_name("DEG")
       ->check(positive());
   calibrate
-      .add_option(
-          "--max_rounds", arguments.max_rounds, "with --cell: no more rounds of pictures than this")
+      .add_option("--max_rounds",
+                  arguments.max_rounds,
+                  "with --cell: take at most this many rounds of pictures")
       ->type_name("N")
       ->capture_default_str()
       ->check(between(1, 20));
@@ -40,21 +44,24 @@ void add_part_options(CLI::App& calibrate, CellCalibrationArguments& arguments) 
   calibrate
       .add_option("--part",
                   arguments.part,
-                  "with --cell: scene of the part whose place is found by its edges, after --board "
-                  "or by the calibration in the folder --camera")
+                  "with --cell: find the part of this scene by its edges, after calibrating with "
+                  "--board or with the calibration in the folder --camera")
       ->type_name("FILE")
       ->check(not_empty());
   calibrate
-      .add_option("--placements",
-                  arguments.placements,
-                  "with --part: so many times it is lifted and put back, for their spread")
+      .add_option(
+          "--placements",
+          arguments.placements,
+          "with --part: put the part down this many times, to measure the spread of its place")
       ->type_name("N")
       ->capture_default_str()
       ->check(between(1, 100));
   calibrate
-      .add_option("--placed",
-                  arguments.placed,
-                  "with --part: you have put it down for the Nth time; else you are asked")
+      .add_option(
+          "--placed",
+          arguments.placed,
+          "with --part: confirm that it has been put down for the Nth time; otherwise you are "
+          "asked at the terminal")
       ->type_name("N")
       ->check(between(1, 100));
 }
@@ -66,18 +73,20 @@ void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std:
                 arguments.is_move,
                 when + "let the robot move: only when nobody is within reach of the arm");
   verb.add_option(
-          "--twin", arguments.twin, when + "drive the twins of this ready file, and nothing else")
+          "--twin", arguments.twin, when + "drive the twins of this ready file and nothing else")
       ->type_name("FILE")
       ->check(not_empty());
-  verb.add_option("--speed_share", arguments.speed_share, when + "of the cell's limits of speed")
+  verb.add_option("--speed_share",
+                  arguments.speed_share,
+                  when + "fraction of the cell's speed limits to use")
       ->type_name("SHARE")
       ->capture_default_str()
       ->check(between(0.01, 1.0));
   verb.add_option("--confirmed",
                   arguments.confirmed,
                   when +
-                      "manual lights that are as they should be; others are asked for at the "
-                      "terminal")
+                      "name of a manual light that is set as it should be; you are asked for the "
+                      "others at the terminal")
       ->type_name("NAME")
       ->allow_extra_args(false);
 }
@@ -87,8 +96,8 @@ void add_mounted_option(CLI::App& verb, AcquireArguments& arguments, const std::
       verb.add_option("--mounted",
                       arguments.mounted,
                       when +
-                          "design of the run whose prototype is in the cell; others are asked for "
-                          "at the terminal")
+                          "design of the run whose prototype is in the cell; you are asked for the "
+                          "others at the terminal")
           ->type_name("NAME")
           ->allow_extra_args(false);
   if (!when.empty()) {

@@ -282,7 +282,7 @@ std::vector<std::string> warnings_of(const Json& result) {
   if (result.value("is_objective_flat", false)) {
     warnings.emplace_back(
         "the objective is the same at both ends of every variable and in the other designs that "
-        "were looked at: a search would have nothing to go by");
+        "were looked at: a search could not tell designs apart");
   }
   for (const Json& name : result["idle_variables"]) {
     warnings.push_back(fmt::format("{} changes nothing in this scene", name.get<std::string>()));

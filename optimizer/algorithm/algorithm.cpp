@@ -151,12 +151,12 @@ void check_smooth(const SearchSpace& space, const std::string& algorithm) {
 void check_derivatives(const std::string& algorithm, int num_objectives) {
   if (algorithm != "gp") {
     throw ConfigError(
-        "search.derivatives: is for gp, not for " + algorithm +
+        "search.derivatives: is available only with auto or gp, not with " + algorithm +
         (is_gradient_method(algorithm) ? ", which takes derivatives in any case" : "") +
-        "; allowed: true with auto and gp, false");
+        "; allowed: false");
   }
   if (num_objectives > 1) {
-    throw ConfigError("search.derivatives: is of one objective, there are " +
+    throw ConfigError("search.derivatives: works with a single objective only, there are " +
                       std::to_string(num_objectives) + "; allowed: false");
   }
 }
@@ -164,9 +164,9 @@ void check_derivatives(const std::string& algorithm, int num_objectives) {
 void check_objectives(const std::string& algorithm, int num_objectives) {
   GLINT_CHECK(num_objectives >= 1, "a search has an objective");
   if (num_objectives > 1 && !takes_several_objectives(algorithm)) {
-    throw ConfigError("search.algorithm: " + algorithm + " knows one objective, there are " +
-                      std::to_string(num_objectives) +
-                      "; allowed: gp, nsga2, nspso, sobol, random");
+    throw ConfigError(
+        "search.algorithm: " + algorithm + " works with a single objective only, there are " +
+        std::to_string(num_objectives) + "; allowed: gp, nsga2, nspso, sobol, random");
   }
   if (num_objectives == 1 && needs_several_objectives(algorithm)) {
     throw ConfigError("search.algorithm: " + algorithm +

@@ -22,8 +22,8 @@ void check_task(const SearchTask& task) {
   }
   if (budget.target && has_several_objectives(task.goal)) {
     errors.push_back({.key = "budget.target",
-                      .text = "is of one objective, there are several; allowed: evaluations, wall "
-                              "clock, stall"});
+                      .text = "works with a single objective only, this task has several; allowed: "
+                              "evaluations, wall clock, stall"});
   }
   if (task.jobs < 1) {
     errors.push_back({.key = "jobs", .text = "must be at least 1"});

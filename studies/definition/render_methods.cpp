@@ -82,9 +82,15 @@ class BlurredRange : public MethodRange {
 
  private:
   void check_light() {
-    expect(scene_.has_tunnel, "render.method", "finds no tunnel", "is one tunnel that shines");
+    expect(scene_.has_tunnel,
+           "render.method",
+           "is used where no tunnel is switched on",
+           "is exactly one tunnel that is switched on");
     for (const NamedLight& light : scene_.lights) {
-      expect(false, "lighting." + light.name, "shines too", "is one tunnel alone");
+      expect(false,
+             "lighting." + light.name,
+             "is switched on, too",
+             "is one tunnel and no other light");
     }
     const std::string table = "lighting." + scene_.tunnel_name;
     const TunnelSettings& tunnel = scene_.tunnel;

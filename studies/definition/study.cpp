@@ -143,19 +143,19 @@ void check_derivatives(const Study& study, std::vector<Problem>& errors) {
   }
 }
 
-/// search.derivatives is of one objective and of the Gaussian process.
+/// search.derivatives works with a single objective and the Gaussian process only.
 void check_algorithm(const Study& study, std::vector<Problem>& errors) {
   check_derivatives(study, errors);
   const std::string& algorithm = study.search.algorithm;
   std::string text;
   if (study.search.derivatives && algorithm != "auto" && algorithm != "gp") {
     text = fmt::format(
-        "is for the Gaussian process, not for \"{}\"{}; allowed are true with "
-        "\"auto\" and \"gp\", and false",
+        "is available only with search.algorithm = \"auto\" or \"gp\", not with \"{}\"{}; allowed "
+        "is false",
         algorithm,
         needs_gradient(algorithm) ? ", which takes derivatives in any case" : "");
   } else if (study.search.derivatives && has_several_objectives(study.goal)) {
-    text = "is of one objective, there are several; allowed is false";
+    text = "works with a single objective only, this study has several; allowed is false";
   }
   if (!text.empty()) {
     errors.push_back(problem_of(study.root, "search.derivatives", text));

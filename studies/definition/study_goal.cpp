@@ -140,8 +140,8 @@ void read_choice(Study& study, std::vector<Problem>& errors) {
     errors.push_back({.kind = Problem::Kind::kRelation,
                       .place = table->place,
                       .key = "choice",
-                      .text = "is between designs of several objectives, there is no second one; "
-                              "allowed beside [[objective]]"});
+                      .text = "chooses between several objectives; allowed only with two or more "
+                              "[[objective]] tables"});
     return;
   }
   KeyReader reader(table, "choice", errors);
@@ -166,13 +166,13 @@ void check_several(const Study& study, std::vector<Problem>& errors) {
   }
   if (study.budget.target) {
     fail("budget.target",
-         "is of one objective, there are several; allowed: budget.stall, evaluations without a "
-         "gain of hypervolume");
+         "works with a single objective only, this study has several; allowed: budget.stall, "
+         "evaluations without a gain of hypervolume");
   }
   if (study.budget.race) {
     fail("budget.race",
-         "is of one objective, there are several; not needed: the designs of the front are scored "
-         "again with fresh random numbers in any case");
+         "works with a single objective only, this study has several; not needed: the designs of "
+         "the front are scored again with fresh random numbers in any case");
   }
   if (study.root.at_path("prototypes.front") != nullptr) {
     fail("prototypes.front",
@@ -182,8 +182,8 @@ void check_several(const Study& study, std::vector<Problem>& errors) {
   const std::string& algorithm = study.search.algorithm;
   if (!takes_several_objectives(algorithm)) {
     fail("search.algorithm",
-         fmt::format("\"{}\" knows one objective, there are {}; allowed: \"auto\", \"gp\", "
-                     "\"nsga2\", \"nspso\", \"sobol\", \"random\"",
+         fmt::format("\"{}\" works with a single objective only, this study has {}; allowed: "
+                     "\"auto\", \"gp\", \"nsga2\", \"nspso\", \"sobol\", \"random\"",
                      algorithm,
                      num_objectives(study.goal)));
   }

@@ -227,7 +227,7 @@ class VariableReader {
       return false;
     }
     if (choices->items.size() == 1) {
-      fail(*choices, path, "is a choice of one; allowed: two or more, or the value at its own key");
+      fail(*choices, path, "has a single choice; give two or more, or set the key itself");
       return false;
     }
     for (const ConfigNode& choice : choices->items) {

@@ -226,9 +226,9 @@ constexpr std::array<const char*, 4> kRayNotes = {
     "the part; pictures of half resolution are enlarged linearly for it. Full scale is 1.",
     "Contrast error: the worst defect, in the mean image (Weber) or in its best frame "
     "(change), in per cent of its value but of at least 1 % of full contrast.",
-    "The own choice is what render.method = \"auto\" does with the scene's "
-    "max_direction_error_mrad. It is no choice of [accuracy], whose rungs for mirrors have "
-    "other errors of directions."};
+    "Glint's own choice is what render.method = \"auto\" does with the scene's "
+    "max_direction_error_mrad. It is no rung of [accuracy], whose rungs for mirrors allow other "
+    "direction errors."};
 
 std::vector<std::string> method_notes(const Frontier& frontier) {
   if (frontier.reference.method.is_noisy) {

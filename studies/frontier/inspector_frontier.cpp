@@ -267,7 +267,7 @@ void mark_inspectors(double allowed, std::vector<InspectorPoint>& points) {
 
 InspectorFrontier measure_inspectors(const SceneSettings& scene, const FrontierOptions& options) {
   if (scene.defects.empty()) {
-    throw ConfigError("defects", "holds none, an inspection can only be judged by what it finds");
+    throw ConfigError("defects", "has no entry; an inspection is judged by the defects it finds");
   }
   return InspectorMeasuring(scene, options).run();
 }

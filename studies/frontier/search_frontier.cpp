@@ -57,13 +57,14 @@ bool is_judgeable(const Goal& goal, const Trial& trial) {
 
 void check_searchable(const Study& study) {
   if (!study.has_search() || !study.has_objective) {
-    throw ConfigError("variables", "and [objective] are needed for a chart of the search");
+    throw ConfigError("variables", "a search chart needs [variables] and [objective]");
   }
   if (has_several_objectives(study.goal)) {
-    throw ConfigError("objectives", "are several; the chart of the search is made for one");
+    throw ConfigError("objective",
+                      "the search chart supports a single objective; this study has several");
   }
   if (study.budget.evaluations <= 0) {
-    throw ConfigError("budget.evaluations", "is 0, the chart of the search needs a limit");
+    throw ConfigError("budget.evaluations", "is 0; a search chart needs a limit above 0");
   }
 }
 

@@ -203,10 +203,9 @@ CellChain cell_chain(const SceneSettings& scene, const Cell& cell) {
   const auto calibration = calibration_of(scene.calibration, cell);
   if (!calibration) {
     throw ConfigError(
-        "calibration.flange_from_camera: is missing; the scene or the file that [calibration] of "
-        "the cell names has to say where the camera is on the flange, or as base_from_camera "
-        "where "
-        "it stands beside the robot");
+        "calibration.flange_from_camera: is missing; the scene, or the file that [calibration] of "
+        "the cell names, has to say where the camera is on the flange; base_from_camera says it "
+        "of a camera beside the robot");
   }
   CellChain chain = camera_chain(*calibration);
   if (chain.is_in_hand && !(scene.cell && scene.cell->base_from_part)) {
@@ -247,9 +246,9 @@ PlanningCell planning_cell(const Cell& cell, const SceneSettings* scene) {
       calibration_of(scene != nullptr ? scene->calibration : std::nullopt, cell);
   if (!calibration && !cell.planning.settings.camera_size_mm.empty()) {
     throw ConfigError(fmt::format(
-        "{}: planning.camera_size_mm: where the camera is on the flange is not known, so the room "
-        "that it takes cannot be kept free; name a file with [calibration.flange_from_camera] as "
-        "file of [calibration], as the drawing has it will do",
+        "{}: planning.camera_size_mm: the camera's place on the flange is not known, so its room "
+        "cannot be kept free; set file of [calibration] to a file with "
+        "[calibration.flange_from_camera] (values from the drawing are good enough)",
         cell.file.string()));
   }
   PlanningCell planned = bare_cell(cell);

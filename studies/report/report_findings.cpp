@@ -244,8 +244,8 @@ void add_flat_objective(const Json& data, const Wording& wording, std::vector<Fi
     if (common.is_flat()) {
       findings.push_back(
           {"objective_flat",
-           fmt::format("{} of {} evaluations{} have the same {}, {}: the search had nothing to go "
-                       "by, and what it found is chance.",
+           fmt::format("{} of {} evaluations{} have the same {}, {}: the search could not tell "
+                       "designs apart, and what it found is chance.",
                        common.count,
                        common.total,
                        feasible_alone ? " that meet every limit" : "",

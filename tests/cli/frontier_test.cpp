@@ -165,7 +165,7 @@ TEST(FrontierVerb, RefusesChartsThatDoNotGoTogether) {
   const ProgramResult none = glint_in(
       folder, {"frontier", "study.toml", "--search", "--set", "variables={}", "--out", "f"});
   EXPECT_EQ(none.code, 2);
-  EXPECT_THAT(none.err, HasSubstr("are needed for a chart of the search"));
+  EXPECT_THAT(none.err, HasSubstr("a search chart needs [variables] and [objective]"));
   EXPECT_FALSE(fs::exists(folder / "f"));
 }
 

@@ -152,15 +152,16 @@ TEST_F(FrontOfProgram, TargetAndMethodsOfOneObjectiveAreRefused) {
       edited(trade_off_study(), {{"evaluations = 12", "evaluations = 12\ntarget = 0.9"}});
   expect_refused(target,
                  place_of(target, "target") +
-                     "budget\\.target: is of one objective, there are several; allowed: "
-                     "budget\\.stall, evaluations without a gain of hypervolume");
+                     "budget\\.target: works with a single objective only, this study has several; "
+                     "allowed: budget\\.stall, evaluations without a gain of hypervolume");
   for (const std::string method : {"bobyqa", "cobyla", "sbplx", "direct_l", "slsqp"}) {
     const std::string study =
         edited(trade_off_study(), {{"batch = 2", "batch = 2\nalgorithm = \"" + method + "\""}});
-    expect_refused(study,
-                   place_of(study, "algorithm") + "search\\.algorithm: \"" + method +
-                       "\" knows one objective, there are 2; allowed: \"auto\", \"gp\", "
-                       ".*\"sobol\", \"random\"");
+    expect_refused(
+        study,
+        place_of(study, "algorithm") + "search\\.algorithm: \"" + method +
+            "\" works with a single objective only, this study has 2; allowed: \"auto\", "
+            "\"gp\", .*\"sobol\", \"random\"");
   }
 }
 
@@ -182,12 +183,12 @@ TEST_F(FrontOfProgram, AChoiceOfOneIsRefused) {
                "[variables]\n\"lighting.tunnel.shape\" = { choices = [\"ellipse\"] }\n"}});
   expect_refused(one_value,
                  place_of(one_value, "choices =") +
-                     "variables: lighting\\.tunnel\\.shape: is a choice of one; allowed: two or "
-                     "more, or the value at its own key");
+                     "variables: lighting\\.tunnel\\.shape: has a single choice; give two or more, "
+                     "or set the key itself");
   const std::string one_objective = small_study() + "[choice]\nby = \"knee\"\n";
   expect_refused(one_objective,
-                 "study\\.toml:[0-9]+:2: choice: is between designs of several objectives, there "
-                 "is no second one; allowed beside \\[\\[objective\\]\\]");
+                 "study\\.toml:[0-9]+:2: choice: chooses between several objectives; allowed only "
+                 "with two or more \\[\\[objective\\]\\] tables");
   const std::string list_of_one = edited(small_study(), {{"[objective]", "[[objective]]"}});
   expect_refused(list_of_one,
                  "study\\.toml:[0-9]+:[0-9]+: objective: \\[\\[objective\\]\\] is for several, "

@@ -128,13 +128,14 @@ TEST(DerivativesSearch, OthersThanTheGaussianProcessRefuseThem) {
   };
   SearchTask task = valley_task(true, 5);
   task.settings.algorithm = "slsqp";
-  EXPECT_THAT(error_of(task), HasSubstr("not for slsqp, which takes derivatives in any case"));
+  EXPECT_THAT(error_of(task), HasSubstr("not with slsqp, which takes derivatives in any case"));
   task.settings.algorithm = "bobyqa";
-  EXPECT_THAT(error_of(task), HasSubstr("search.derivatives: is for gp, not for bobyqa"));
+  EXPECT_THAT(error_of(task),
+              HasSubstr("search.derivatives: is available only with auto or gp, not with bobyqa"));
   task.settings.algorithm = "auto";
   EXPECT_EQ(resolved_algorithm(task.space, task.settings), "gp");
   task.goal.more_objectives = {{.name = "sum"}};
-  EXPECT_THAT(error_of(task), HasSubstr("is of one objective, there are 2"));
+  EXPECT_THAT(error_of(task), HasSubstr("works with a single objective only, there are 2"));
 }
 
 }  // namespace

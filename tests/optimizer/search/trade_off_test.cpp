@@ -235,8 +235,9 @@ TEST(TradeOff, WhatKnowsOneObjectiveIsRefused) {
   };
   SearchTask task = zdt1_task("auto", 1);
   task.budget.target = 0.5;
-  EXPECT_THAT(error_of(task), HasSubstr("budget.target: is of one objective"));
-  EXPECT_THAT(error_of(zdt1_task("bobyqa", 1)), HasSubstr("bobyqa knows one objective"));
+  EXPECT_THAT(error_of(task), HasSubstr("budget.target: works with a single objective"));
+  EXPECT_THAT(error_of(zdt1_task("bobyqa", 1)),
+              HasSubstr("bobyqa works with a single objective only"));
   task = zdt1_task("auto", 1);
   task.goal.more_objectives[0].name = "f1";
   EXPECT_THAT(error_of(task), HasSubstr("f1: is an objective twice"));

@@ -78,10 +78,11 @@ TEST(BlurredRange, RefusesOtherLight) {
                                 HasSubstr("allowed is 0, or render.method = \"paths\""))));
   EXPECT_THAT(errors_of_metal("[lighting.tunnel]\nend_falloff = 0.1\n"),
               ElementsAre(HasSubstr("lighting.tunnel.end_falloff")));
-  EXPECT_THAT(errors_of_metal("[lighting.ring]\n[lighting.tunnel]\n"),
-              ElementsAre(AllOf(StartsWith("s.toml:5:"), HasSubstr("lighting.ring: shines too"))));
+  EXPECT_THAT(
+      errors_of_metal("[lighting.ring]\n[lighting.tunnel]\n"),
+      ElementsAre(AllOf(StartsWith("s.toml:5:"), HasSubstr("lighting.ring: is switched on, too"))));
   EXPECT_THAT(errors_of_metal("[lighting.ring]\n"),
-              ::testing::Contains(HasSubstr("render.method: finds no tunnel")));
+              ::testing::Contains(HasSubstr("render.method: is used where no tunnel is")));
   EXPECT_THAT(errors_of_metal("[lighting.one]\ntype = \"tunnel\"\n[lighting.two]\ntype = "
                               "\"tunnel\"\n"),
               ::testing::SizeIs(1));

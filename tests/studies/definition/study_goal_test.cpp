@@ -72,12 +72,14 @@ TEST(StudyGoal, TheResolvedTextIsTheSameStudyWithSeveralObjectives) {
 TEST(StudyGoal, RefusesWhatSeveralObjectivesDoNotGoWith) {
   const std::string both = kScene + kEven + kVisible;
   EXPECT_EQ(goal_error(both), "");
-  EXPECT_THAT(goal_error(both, {{"budget.target", "3"}}),
-              HasSubstr("budget.target: is of one objective, there are several; allowed: "
-                        "budget.stall"));
-  EXPECT_THAT(goal_error(both, {{"search.algorithm", "sbplx"}}),
-              HasSubstr("search.algorithm: \"sbplx\" knows one objective, there are 2; allowed: "
-                        "\"auto\", \"gp\", \"nsga2\", \"nspso\", \"sobol\", \"random\""));
+  EXPECT_THAT(
+      goal_error(both, {{"budget.target", "3"}}),
+      HasSubstr("budget.target: works with a single objective only, this study has several; "
+                "allowed: budget.stall"));
+  EXPECT_THAT(
+      goal_error(both, {{"search.algorithm", "sbplx"}}),
+      HasSubstr("search.algorithm: \"sbplx\" works with a single objective only, this study "
+                "has 2; allowed: \"auto\", \"gp\", \"nsga2\", \"nspso\", \"sobol\", \"random\""));
   EXPECT_EQ(goal_error(both, {{"search.algorithm", "nsga2"}}), "");
   EXPECT_THAT(goal_error(kScene + "[objective]\nmaximise = \"homogeneity.h_rms\"\n",
                          {{"search.algorithm", "nspso"}}),
@@ -113,7 +115,7 @@ TEST(StudyGoal, RefusesContradictionsInOneLineEach) {
           "objective: must hold either maximise or minimise = \"name of a score\"; it holds "
           "\"maximize\"");
   refused("[objective]\nmaximise = \"homogeneity.h_rms\"\n[choice]\nby = \"knee\"\n",
-          "choice: is between designs of several objectives");
+          "choice: chooses between several objectives");
 }
 
 /// Hashes of studies with one objective are those of earlier programs.

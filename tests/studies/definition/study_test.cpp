@@ -73,10 +73,10 @@ TEST(Study, DerivativesAreForTheGaussianProcessUnderATunnel) {
   EXPECT_EQ(error_of(sound + "derivatives = false\nalgorithm = \"bobyqa\"\n"), "");
   EXPECT_THAT(error_of(sound + "derivatives = true\nalgorithm = \"bobyqa\"\n"),
               AllOf(StartsWith("s.toml:23:"),
-                    HasSubstr("search.derivatives: is for the Gaussian process, not for "
-                              "\"bobyqa\"")));
+                    HasSubstr("search.derivatives: is available only with search.algorithm = "
+                              "\"auto\" or \"gp\", not with \"bobyqa\"")));
   EXPECT_THAT(error_of(sound + "derivatives = true\nalgorithm = \"slsqp\"\n"),
-              HasSubstr("not for \"slsqp\", which takes derivatives in any case"));
+              HasSubstr("not with \"slsqp\", which takes derivatives in any case"));
   EXPECT_THAT(error_of(sound + "derivatives = true\n[render]\nmethod = \"paths\"\n"),
               HasSubstr("search.derivatives: asks for derivatives, which path-traced scenes do not "
                         "have; allowed is false"));

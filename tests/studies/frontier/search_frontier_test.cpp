@@ -113,7 +113,7 @@ TEST(MeasureSearches, RefusesWhatHasNoSearchAndNamesMethodsThatCannot) {
     searched(tunnel_study(folder, {{"variables", "{}"}}), folder / "none", 1.0);
     FAIL() << "there is nothing to search";
   } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("are needed for a chart of the search"));
+    EXPECT_THAT(error.what(), HasSubstr("a search chart needs [variables] and [objective]"));
   }
   const SearchFrontier frontier =
       searched(tunnel_study(folder), folder / "s", 600.0, {"no_such_method", "random"});

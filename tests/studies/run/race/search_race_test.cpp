@@ -257,7 +257,7 @@ TEST(SearchRace, OfSeveralObjectivesIsRefused) {
     run_noisy(folder, "out", text);
     FAIL();
   } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("budget.race: is of one objective"));
+    EXPECT_THAT(error.what(), HasSubstr("budget.race: works with a single objective"));
   }
 }
 

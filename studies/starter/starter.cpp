@@ -319,7 +319,7 @@ class StarterMaker {
     }
   }
 
-  /// Evenness five points below the start's, whatever it is; clipping as little as the start
+  /// Uniformity five points below the start's, whatever it is; clipping as little as the start
   /// allows.
   void set_limits() {
     constexpr double kLess = 0.05;

@@ -251,7 +251,7 @@ void frames_integrated(benchmark::State& state) {
       in_units(state, best_seconds(5, [&] { render_binary(settings, frames); }));
 }
 
-/// 24 frames through the sensor into the aspect image, nothing scored.
+/// 24 frames through the sensor into the mean image, nothing scored.
 void scan_sampled(benchmark::State& state) {
   const SceneSettings settings = seed_scene(shape_of(state), Method::kSampled);
   const TracedScene& scene = plain_rays();

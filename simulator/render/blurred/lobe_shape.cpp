@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The facet that reflects the viewer to L has the normal L + v. At the middle that is twice the
-// cosine of incidence long and has no slope, so its slopes change by dL / (2 cosine): by half of
-// what the direction turns by in the plane of incidence, by more across it.
+// A facet that reflects light between the directions L and v has the normal L + v. In the middle of
+// the lobe L + v is along the surface's normal, with a length of twice the cosine of incidence;
+// when L changes by dL, the facet's slope therefore changes by the part of dL along the surface
+// over (2 cosine): by half the angle that L turns by in the plane of incidence, and by more across
+// it.
 #include "simulator/render/blurred/lobe_shape.h"
 
 #include <algorithm>

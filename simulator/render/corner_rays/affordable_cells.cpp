@@ -23,7 +23,8 @@ constexpr int kRowsOfWindow = 3;
 constexpr int kMaxRows = 16;
 constexpr int kRowStep = 8;
 
-/// First rows so many times further apart are looked at: far fewer rays than are allowed is enough.
+/// First, rows this many times further apart are counted: where they need far fewer rays than
+/// allowed, no more are.
 constexpr int kGlance = 4;
 
 /// Fewer triangles without an exact surface have edges too short to bend that many pixels.
@@ -71,7 +72,7 @@ PixelCounts count_row(const TraceScene& scene,
   return counts;
 }
 
-/// Rays of these pixels when none has more than so many cells.
+/// Rays of these pixels when none has more than max_cells cells along each side.
 std::int64_t rays_of(const PixelCounts& counts, int max_cells) {
   std::int64_t rays = 0;
   for (std::size_t k = 0; k < counts.size(); ++k) {
@@ -80,13 +81,13 @@ std::int64_t rays_of(const PixelCounts& counts, int max_cells) {
   return rays;
 }
 
-/// Refined pixels of some rows, which stand for those of all.
+/// Refined pixels of a sample of rows, from which those of the picture are estimated.
 class SampledRows {
  public:
   SampledRows(const TraceScene& scene, const RefinementNeed& need, const PlacedCamera& placed)
       : scene_(scene), need_(need), placed_(placed) {}
 
-  /// Looks at rows so far apart.
+  /// Counts the refined pixels of every step-th row.
   void take(int step, ThreadPool& pool) {
     const int height = placed_.camera.intrinsics().height_px;
     rows_ = std::max(1, height / step);
@@ -99,7 +100,8 @@ class SampledRows {
     }
   }
 
-  /// Whether the picture has at most so many rays when no pixel has more than so many cells.
+  /// Whether the picture is estimated to need at most max_rays rays when no pixel has more than
+  /// `cells` cells along each side.
   bool are_within(std::int64_t max_rays, int cells) const {
     return rays_of(counts_, cells) * placed_.camera.intrinsics().height_px <= max_rays * rows_;
   }

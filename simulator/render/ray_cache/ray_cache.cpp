@@ -116,7 +116,7 @@ class RowTracer {
     return {&cache_.coverage, &cache_.seen_x, &cache_.seen_y, &cache_.seen_z};
   }
 
-  /// Of a row: whole packets, nothing beside which meets the part.
+  /// The pixels of a row that may see the part, in whole packets: rays of all others miss it.
   void set_reached() {
     const int width = cache_.width_px;
     const auto is_reached = [&](int x) {

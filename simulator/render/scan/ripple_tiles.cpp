@@ -21,24 +21,24 @@
 namespace glint {
 namespace {
 
-/// What pixels from the table may be wrong in h by few frames, all together: half of the 0.1 point
-/// that are promised, and a tenth more, as errors of tiles partly cancel.
+/// Largest error of h that few frames may cause in all pixels of the table together: half of the
+/// promised 0.1 point, and a tenth more, since the errors of tiles partly cancel.
 constexpr double kLargestEffect = 5.5e-4;
 
-/// Where more of the table's pixels would go to the frames, and with them frames would be more of
-/// the region, all go.
+/// All of the table's pixels go to the frames where more than this share of them would go, and
+/// frames would then cover more than this share of the region.
 constexpr double kLargestPart = 0.5;
 
-/// A ripple's size, and what it adds to h_abs as no normal number, is known but for this share.
+/// Share by which a ripple's size is uncertain, and what it adds to h_abs by not being normal.
 constexpr double kUnknownShare = 0.1;
 
-/// Of the correction of T(w) this share may be wrong.
+/// Share of the correction of T(w) that may be wrong.
 constexpr double kUnknownCorrection = 0.3;
 
 struct Tile {
   int column = 0;
   int row = 0;
-  int pixels = 0;  ///< that the table gives
+  int pixels = 0;  ///< taken from the table
   bool is_coherent = false;
   double mean = 0.0;  ///< over the frames
   double bias = 0.0;  ///< of T(w), as a share of it
@@ -46,7 +46,7 @@ struct Tile {
   double effect = 0.0;  ///< on h, at most
 };
 
-/// Of the region's grey values.
+/// Mean and standard deviation of the region's grey values.
 struct Spread {
   double mean = 0.0;
   double deviation = 0.0;

@@ -35,8 +35,8 @@ constexpr double kSure = 3.7;  ///< standard deviations of a cause that is told
 
 using EdgeCostFunction = ceres::AutoDiffCostFunction<EdgeCost, 1, kCauseParameters>;
 
-/// How offsets grow with each parameter about some changes, and what they would be were all that
-/// linear.
+/// The linear system about some changes: derivatives of the offsets by each parameter, and the
+/// offsets that a linear model would have to explain.
 EdgeSystem linearised(std::span<const SpaceEdge> edges,
                       const PinholeIntrinsics& camera,
                       const Vector3d& middle_mm,
@@ -51,10 +51,10 @@ EdgeSystem linearised(std::span<const SpaceEdge> edges,
     const SpaceEdge& edge = edges[static_cast<std::size_t>(i)];
     const EdgeCostFunction cost(new EdgeCost(cost_of(camera, middle_mm, edge)));
     double rest = 0.0;
-    std::array<double, kCauseParameters> slope = {};
-    double* slopes[] = {slope.data()};
-    cost.Evaluate(at, &rest, slopes);
-    columns.row(i) = -Eigen::Map<const Eigen::RowVectorXd>(slope.data(), kCauseParameters);
+    std::array<double, kCauseParameters> gradient = {};
+    double* jacobians[] = {gradient.data()};
+    cost.Evaluate(at, &rest, jacobians);
+    columns.row(i) = -Eigen::Map<const Eigen::RowVectorXd>(gradient.data(), kCauseParameters);
     // Without changes to the last bit, so that equal pictures are 0 apart.
     offsets[i] = changes.isZero(0.0) ? edge.offset_px : rest + columns.row(i).dot(changes);
   }

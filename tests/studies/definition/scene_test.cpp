@@ -152,7 +152,7 @@ TEST(Evaluation, LightingAloneTracesNothingAgain) {
   EXPECT_EQ(store.num_traced(), 2);
 }
 
-// A closed scan's aspect image is right in the region alone; who takes frames gets their mean
+// A closed scan's mean image is right in the region alone; who takes frames gets their mean
 // everywhere: what is written to disk shows the whole picture.
 TEST(Evaluation, TheAspectImageIsThatOfAllFramesWhereTheyAreTaken) {
   ThreadPool pool(1);

@@ -111,7 +111,7 @@ struct Moments {
   double noise_variance = 0.0;  ///< root of the mean variance
 };
 
-/// Of the aspect image over some flawless scans.
+/// Of the mean image over some flawless scans.
 Moments moments_of(const SimulatedLine& line, int scans) {
   const Mask& region = line.region();
   std::vector<double> sum(region.size());

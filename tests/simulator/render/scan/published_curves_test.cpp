@@ -105,7 +105,7 @@ TEST(PublishedCurves, WithoutDerivativeThereIsNoSignature) {
   EXPECT_EQ(lit_share(bench, 0.75 * kDiameter_mm), 0.0);
 }
 
-/// Largest deviation from the flawless mean over the mean, in the aspect image.
+/// Largest deviation from the flawless mean over the mean, in the mean image.
 double peak_contrast(const test::Bench& bench, double gain) {
   const int size = bench.rays.width_px;
   const Tunnel tunnel(test::ceiling(kDistance_mm, 8.0));

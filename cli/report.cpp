@@ -97,10 +97,11 @@ std::string analysis_text(const nlohmann::ordered_json& analysis) {
                           100.0 * one["first"].get<double>());
     }
     if (score["wanted"].get<int>() > 0) {
-      text += fmt::format("{}: about {} designs all over the space would tell (--evaluate {})\n",
-                          score["score"].get<std::string>(),
-                          score["wanted"].get<int>(),
-                          score["wanted"].get<int>() + analysis["added"].get<int>());
+      text += fmt::format(
+          "{}: about {} designs spread over the space would be enough (--evaluate {})\n",
+          score["score"].get<std::string>(),
+          score["wanted"].get<int>(),
+          score["wanted"].get<int>() + analysis["added"].get<int>());
     }
   }
   return text;

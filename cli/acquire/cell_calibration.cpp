@@ -37,7 +37,7 @@ std::string_view status_text(const std::string& status) {
     return "all rounds are used up, further poses may help";
   }
   if (status == "no_picture") {
-    return "all pictures of the last round were rejected; the folder of the round tells why";
+    return "all pictures of the last round were rejected; the folder of the round says why";
   }
   return status == "no_pose_reached" ? "the arm cannot take any pose that would help"
                                      : "no further pose helps";

@@ -329,7 +329,7 @@ std::string refusal_to_converge(const HandEyeWork& work, const RobustHandEye& ro
   constexpr double kRoughShareOfDistance = 0.03;
   if (is_few(work) && robust.median_mm < kRoughShareOfDistance * work.distance_mm) {
     return fmt::format(
-        "{} pictures are too few, or too much alike, to tell camera and hand-eye: no solution "
+        "{} pictures are too few, or too similar, to determine camera and hand-eye: no solution "
         "converges; take more, with the robot turned by 20 to 30 degrees about two axes",
         work.seen.size());
   }

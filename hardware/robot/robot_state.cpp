@@ -32,7 +32,8 @@ std::string payload_difference(const RobotState& state, const UrSettings& settin
   constexpr double kSameKg = 0.01;
   constexpr double kSameMm = 1.0;
   if (!state.payload_kg || !state.payload_cog_mm) {
-    return "the controller does not tell its payload; its software is too old to be moved by Glint";
+    return "the controller does not report its payload; its software is too old to be moved by "
+           "Glint";
   }
   if (!(std::abs(*state.payload_kg - settings.payload_kg) <= kSameKg)) {
     return fmt::format("the pendant's payload is {:.3f} kg, robot.payload_kg is {:.3f}",

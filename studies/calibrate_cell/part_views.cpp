@@ -37,8 +37,8 @@ std::vector<double> numbers(const Vector3d& v) {
 void check(const SceneSettings& scene, const fs::path& file) {
   if (!scene.calibration || !scene.calibration->flange_from_camera) {
     throw ConfigError(
-        "--camera: the calibration does not tell where the camera is on the flange, so the part's "
-        "place in the cell cannot be told from its pictures");
+        "--camera: the calibration does not say where the camera is on the flange, so the part's "
+        "place in the cell cannot be found from its pictures");
   }
   if (!scene.cell || !scene.cell->base_from_part) {
     throw ConfigError(fmt::format(

@@ -183,7 +183,7 @@ std::string turns_sentence(const Json& pairs) {
              : fmt::format("{} of {} real pictures seem to be {}. ", count, pairs.size(), name);
 }
 
-/// " (or shift_x, which cannot be told from it)", or nothing.
+/// " (or shift_x, which cannot be distinguished from it)", or nothing.
 std::string group_text(const Json& cause) {
   std::vector<std::string> others;
   for (const Json& name : cause.value("group", Json::array())) {
@@ -191,9 +191,9 @@ std::string group_text(const Json& cause) {
       others.push_back(name.get<std::string>());
     }
   }
-  return others.empty()
-             ? ""
-             : fmt::format(" (or {}, which cannot be told from it)", fmt::join(others, ", "));
+  return others.empty() ? ""
+                        : fmt::format(" (or {}, which cannot be distinguished from it)",
+                                      fmt::join(others, ", "));
 }
 
 /// Of a single pair: "; explained by k1 = 0.0194 +- 0.0004, gain = 1.2".

@@ -225,8 +225,8 @@ std::string untold_shift_note(const OutlineMotion& motion) {
     return "";
   }
   return fmt::format(
-      "All edges that were found run along ({:.2f}, {:.2f}): how far the real part lies along that "
-      "is not told by them, and taken as 0.",
+      "All edges that were found run along ({:.2f}, {:.2f}): how far the real part is moved along "
+      "that direction is unknown, and taken as 0.",
       motion.untold.x(),
       motion.untold.y());
 }

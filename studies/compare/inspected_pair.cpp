@@ -195,7 +195,7 @@ void note_unmoved(const ComparedPair& pair, InspectedPair& result) {
   if (off_px > most_aside_px(result.known)) {
     result.notes.push_back(fmt::format(
         "In the photograph the part lies {:.1f} px elsewhere, and is inspected where the simulated "
-        "picture has it, as its edges do not tell how it was moved: its found, missed and "
+        "picture has it, as its edges do not show how it was moved: its found, missed and "
         "contrasts may be of other places.",
         off_px));
   }

@@ -56,7 +56,7 @@ std::string found_text(const Json& result) {
       "Found means {:.3g} pixels wide in the finest view of the place (coverage.defect_px), and as "
       "large as what the design {} finds nine times of ten ({:.4g} \u00b5m, a pixel being {:.4g} "
       "\u00b5m), in proportion to the pixel. That is one number for the whole surface: contrast "
-      "counts as on the parts of that study, and is not told place by place.",
+      "counts as on the parts of that study, and is not measured place by place.",
       width_px,
       pod["design"].get<std::string>(),
       1e3 * pod["a90_mm"].get<double>(),

@@ -196,8 +196,8 @@ std::vector<std::string> path_method_notes(const Frontier& frontier) {
   std::vector<std::string> notes = {
       fmt::format("The reference is {} independent pictures together, with {} samples a pixel each "
                   "and at most {} reflections on the part. Its own noise, known from their "
-                  "scatter, is taken out of every error, and what noise does to its scores out "
-                  "of them (jackknife); what is smaller than it is not told apart.",
+                  "scatter, is subtracted from every error, and what noise does to its scores "
+                  "from them (jackknife); smaller differences cannot be distinguished.",
                   reference.pictures,
                   reference.method.paths.samples,
                   reference.method.paths.max_reflections)};

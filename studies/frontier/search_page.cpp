@@ -85,9 +85,7 @@ std::vector<std::string> notes_of(const SearchFrontier& frontier) {
       "winner.",
       "A search counts its evaluations, not the repeated questions that its algorithm asks."};
   if (!frontier.is_whole) {
-    notes.emplace_back(
-        "The budget of time cut some of it: the same call again goes on from "
-        "there.");
+    notes.emplace_back("The budget of time cut some of it: the same call resumes from there.");
   }
   return notes;
 }

@@ -82,7 +82,7 @@ std::string pod_sentence(const Json& pod) {
     }
   }
   if (fitted.empty()) {
-    return "No lighting gives a curve from which the size of a defect that is found can be told.";
+    return "No lighting gives a curve from which the size of a defect that is found follows.";
   }
   const auto [best, worst] =
       std::ranges::minmax_element(fitted, {}, [](const Json* design) { return a90_of(*design); });

@@ -159,7 +159,7 @@ std::vector<LevelFiles> read_levels(const fs::path& folder) {
   if (!fs::is_regular_file(file, ignored)) {
     throw ConfigError(
         fmt::format("{}: holds neither levels.csv (file,kind,exposure,photons) nor "
-                    "levels.txt, which tell the levels of light",
+                    "levels.txt, which list the levels of light",
                     folder.string()));
   }
   return parse_levels_txt(read_file(file), file);

@@ -113,7 +113,7 @@ std::string standard_error_told(const Outcome& outcome, const CellError& error) 
   const double told = score_of(outcome.evaluation, "homogeneity.h_rms.error");
   const bool is_covered =
       error.quantity == "h_points" && error.error <= kStandardErrors * 100.0 * told;
-  return is_covered ? fmt::format("homogeneity.h_rms.error tells {:.2g} points", 100.0 * told)
+  return is_covered ? fmt::format("homogeneity.h_rms.error is {:.2g} points", 100.0 * told)
                     : std::string();
 }
 

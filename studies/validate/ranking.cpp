@@ -93,7 +93,7 @@ std::string ranking_text(const Ranking& ranking, const std::string& by) {
   return fmt::format(" The ranking of the designs{} holds {}.",
                      by,
                      std::ranges::any_of(ranking.pairs, &RankedPair::is_level)
-                         ? "as far as it can be told"
+                         ? "as far as it can be decided"
                          : "in reality");
 }
 

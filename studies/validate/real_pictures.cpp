@@ -58,8 +58,8 @@ RealDesign read_acquired_design(const std::string& name, const fs::path& folder)
                        .is_of_twin = acquired.is_twin};
   for (const std::string& view : acquired.views()) {
     if (is_cut_short(acquired, view)) {
-      design.notes.push_back(fmt::format(
-          "{}: {} is not whole and left out; glint acquire goes on with it", name, view));
+      design.notes.push_back(
+          fmt::format("{}: {} is incomplete and left out; glint acquire completes it", name, view));
       continue;
     }
     design.views.push_back(real_view(acquired, view));

@@ -283,7 +283,7 @@ Json orders_json(const Goal& goal, std::vector<RescoredDesign>& designs) {
     const auto before = order_of(designs, &RescoredDesign::before, objective.is_maximised);
     const auto after = order_of(designs, &RescoredDesign::after, objective.is_maximised);
     const bool is_changed = has_other_order(designs, objective.is_maximised);
-    const char* const how = is_changed ? "is another" : "holds as far as it can be told";
+    const char* const how = is_changed ? "is another" : "holds as far as it can be decided";
     if (!after.empty()) {
       told.push_back(fmt::format("by {} {} ({})", objective.name, how, join(after, ", ")));
     }

@@ -355,7 +355,7 @@ std::string undetermined_text(const Undetermined& number) {
   std::ranges::replace(name, '_', ' ');
   const std::string sigma =
       number.sigma ? fmt::format("known to {:.3g} (one standard deviation)", *number.sigma)
-                   : "the pictures tell nothing of it";
+                   : "the pictures say nothing of it";
   return fmt::format("{}{}, {}: undetermined, {}; {:.3g} would matter",
                      name,
                      number.of.empty() ? "" : " of " + number.of,

@@ -81,9 +81,8 @@ class ValidateRun {
         sources_.designs, [](const ValidatedDesign& design) { return design.real.is_of_twin; });
     if (is_of_twin) {
       sources_.notes.emplace_back(
-          "The pictures are a simulated twin's: they tell how the cell's programs work together, "
-          "and "
-          "nothing of a real part.");
+          "The pictures are a simulated twin's: they show how the cell's programs work together, "
+          "and nothing about a real part.");
     }
     Json result = result_json(verdict);
     result["twin"] = is_of_twin;
@@ -387,7 +386,7 @@ class ValidateRun {
             : Json(nullptr);
     if (json["rescored"].is_null()) {
       sources_.notes.emplace_back(
-          "Whether the refit changes the winner is not told: that takes a study with an "
+          "Whether the refit changes the winner cannot be decided without a study that has an "
           "objective");
     } else if (auto text = json["rescored"]["text"].get<std::string>(); !text.empty()) {
       sources_.notes.push_back(std::move(text));

@@ -207,7 +207,7 @@ GeometryBudget budget_of(const SceneSettings& scene, std::vector<std::string>& n
     }
   } else {
     notes.emplace_back(
-        "How well the part's place is known is not told: 0.05 mm and 0.02 degree are taken.");
+        "How well the part's place is known is not stated: 0.05 mm and 0.02 degree are assumed.");
   }
   return budget;
 }

@@ -66,7 +66,7 @@ TEST(MotionRefusal, NamesWhatSpeaksAgainstMotion) {
       {[](RobotState& s) { s.safety_mode = SafetyMode::kFault; }, "FAULT"},
       {[](RobotState& s) { s.robot_mode = RobotMode::kPowerOff; }, "POWER_OFF"},
       {[](RobotState& s) { s.robot_mode = RobotMode::kBooting; }, "BOOTING"},
-      {[](RobotState& s) { s.payload_kg.reset(); }, "does not tell its payload"},
+      {[](RobotState& s) { s.payload_kg.reset(); }, "does not report its payload"},
       {[](RobotState& s) { s.actual_q_rad[2] = std::nan(""); }, "unknown"}};
   for (const Case& one : cases) {
     Bench bench;

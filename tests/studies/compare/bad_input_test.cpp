@@ -179,9 +179,11 @@ TEST_F(BadInput, TheVerdictNamesWhatACauseCannotBeToldFrom) {
   pairs[0]["causes"] = nlohmann::ordered_json::parse(
       R"([{"name": "centre_x", "value": 12.2, "unit": "px", "sigma": 0.01, "share": 0.7,
            "group": ["centre_x", "shift_x"]}])");
-  EXPECT_THAT(compare_verdict(pairs, std::nullopt),
-              HasSubstr("explained by centre_x = 12.2 px +- 0.01 (or shift_x, which cannot be told "
-                        "from it)."));
+  EXPECT_THAT(
+      compare_verdict(pairs, std::nullopt),
+      HasSubstr(
+          "explained by centre_x = 12.2 px +- 0.01 (or shift_x, which cannot be distinguished "
+          "from it)."));
 }
 
 TEST_F(BadInput, AMirroredOrTurnedPartWithASymmetricOutlineIsToldByItsInside) {

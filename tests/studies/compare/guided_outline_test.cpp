@@ -218,7 +218,7 @@ TEST_F(GuidedOutlineTest, TellsNoShiftAlongAStripThatLeavesThePicture) {
   EXPECT_GT(motion.untold.dot(along), 0.999);
   EXPECT_NEAR(motion.shift_px.dot(motion.untold), 0.0, 1e-9);
   EXPECT_NEAR(motion.shift_px.dot(across), 2.0 * std::cos(0.1), 0.05);
-  EXPECT_THAT(pair.notes, ::testing::Contains(::testing::HasSubstr("is not told by them")));
+  EXPECT_THAT(pair.notes, ::testing::Contains(::testing::HasSubstr("is unknown, and taken as 0")));
 }
 
 // A part of another shape does not get the simulated one's outline.

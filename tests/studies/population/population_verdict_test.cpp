@@ -88,7 +88,7 @@ TEST(PopulationVerdict, SaysFromWhichSizeOnDefectsAreFound) {
 TEST(PopulationVerdict, SaysWhereNoCurveCanBeFitted) {
   const Json verdict = verdict_on(detected_sizes(nullptr, nullptr));
   EXPECT_EQ(verdict["sentence"],
-            "No lighting gives a curve from which the size of a defect that is found can be told.");
+            "No lighting gives a curve from which the size of a defect that is found follows.");
   EXPECT_EQ(verdict["details"][1], "The dome: no curve can be fitted");
 }
 

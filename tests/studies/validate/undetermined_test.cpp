@@ -61,9 +61,8 @@ TEST(Undetermined, IsWhatAFitCouldNotFree) {
   EXPECT_EQ(told[0]["of"], "dome");
   EXPECT_EQ(told[0]["value"], "z_mm");
   EXPECT_TRUE(told[0]["sigma"].is_null());
-  EXPECT_THAT(
-      told[0]["text"].get<std::string>(),
-      HasSubstr("light place of dome, z_mm: undetermined, the pictures tell nothing of it"));
+  EXPECT_THAT(told[0]["text"].get<std::string>(),
+              HasSubstr("light place of dome, z_mm: undetermined, the pictures say nothing of it"));
   EXPECT_EQ(told[1]["name"], "roughness");
   EXPECT_THAT(told[1]["text"].get<std::string>(), HasSubstr("known to 0.2"));
   EXPECT_THAT(told[1]["text"].get<std::string>(), HasSubstr("0.03 would matter"));

@@ -18,17 +18,17 @@ void add_targets(CLI::App& calibrate, CellCalibrationArguments& arguments) {
       ->capture_default_str()
       ->check(positive());
   calibrate
-      .add_option(
-          "--target_mm",
-          arguments.target_mm,
-          "with --cell: and that of the camera's position on the flange (default: not required)")
+      .add_option("--target_mm",
+                  arguments.target_mm,
+                  "with --cell: also require this standard deviation of the camera's position on "
+                  "the flange")
       ->type_name("MM")
       ->check(positive());
   calibrate
-      .add_option(
-          "--target_deg",
-          arguments.target_deg,
-          "with --cell: and that of the camera's rotation on the flange (default: not required)")
+      .add_option("--target_deg",
+                  arguments.target_deg,
+                  "with --cell: also require this standard deviation of the camera's rotation on "
+                  "the flange")
       ->type_name("DEG")
       ->check(positive());
   calibrate

@@ -187,7 +187,7 @@ void add_stability_verb(CLI::App& app, CommandLine& line) {
                    arguments.run,
                    "ask instead whether the winner of this run still wins when disturbed")
       ->type_name("DIR");
-  verb->add_option("--sweep", arguments.sweeps, "measure this sweep only; repeat for several")
+  verb->add_option("--sweep", arguments.sweeps, "measure only this sweep")
       ->type_name("NAME")
       ->allow_extra_args(false);
   verb->add_flag("--list", arguments.is_list, "list the sweeps and measure none");

@@ -54,7 +54,7 @@ void add_place_mode(CLI::App& calibrate, CalibrateArguments& arguments) {
       .add_option("--place",
                   arguments.placed,
                   "instead: find where the part is from a CSV of points that the robot touched or "
-                  "that pictures show, or a TOML of a board on the part; repeat for each time the "
+                  "that pictures show, or a TOML of a board on the part; once for each time the "
                   "part was put down")
       ->type_name("FILE")
       ->allow_extra_args(false);

@@ -164,10 +164,10 @@ void add_part(const CellCalibrationArguments& arguments,
 void check(const CellCalibrationArguments& arguments) {
   const bool has_part = !arguments.part.empty();
   if (!has_part && (arguments.placements != 1 || arguments.placed != 0)) {
-    throw ConfigError("--placements, --placed: are of --part, the scene of the part to be placed");
+    throw ConfigError("--placements, --placed: need --part, the scene of the part to be placed");
   }
   if (!has_part && !arguments.acquire.mounted.empty()) {
-    throw ConfigError("--mounted: is of --part, whose scene is a design of a run");
+    throw ConfigError("--mounted: needs --part, with a scene that is a design of a run");
   }
   if (has_part && arguments.board.empty() == arguments.camera.empty()) {
     throw ConfigError(

@@ -396,7 +396,7 @@ TEST_F(PartOfADesign, WaitsForItsPrototype) {
                         "wide",
                         "--move"})
                   .err,
-              HasSubstr("--mounted: is of --part"));
+              HasSubstr("--mounted: needs --part"));
 }
 
 TEST_F(PartOfADesign, IsNotFoundInPicturesOfAnotherPrototype) {
@@ -420,7 +420,7 @@ TEST_F(PlacedPart, IsRefusedWhereItsPlaceCannotBeTold) {
   };
   EXPECT_THAT(error({"calibrate", "--part", "part.toml"}), HasSubstr("--part: needs --cell"));
   EXPECT_THAT(error({"calibrate", "--cell", "cell.toml", "--placed", "1", "--move"}),
-              HasSubstr("--placed: are of --part"));
+              HasSubstr("--placed: need --part"));
   EXPECT_THAT(error({"calibrate", "--cell", "cell.toml", "--part", "part.toml", "--move"}),
               HasSubstr("--part: needs --board"));
   EXPECT_THAT(error(call({"--placed", "4"})), HasSubstr("--placed 4: --placements are 3"));

@@ -228,16 +228,18 @@ Study with_title_of(Study study, const std::string& recorded) {
   return study;
 }
 
-std::vector<std::string> changed_keys(const Study& study, const std::string& recorded) {
+std::vector<ChangedKey> changed_keys(const Study& study, const std::string& recorded) {
   const std::vector<PlacedValue> now = values_of(resolved_text(study));
   std::vector<PlacedValue> before = values_of(recorded);
-  std::vector<std::string> changes;
+  std::vector<ChangedKey> changes;
   for (const auto& [path, value] : now) {
     const auto found = std::ranges::find(before, path, &PlacedValue::first);
     const bool was_there = found != before.end();
     if (!changes_no_result(study, path) && (!was_there || found->second != value)) {
-      changes.push_back(was_there ? fmt::format("{} is {}, was {}", path, value, found->second)
-                                  : fmt::format("{} is {}, was not there", path, value));
+      changes.push_back({.path = path, .is = value, .was = {}});
+      if (was_there) {
+        changes.back().was = found->second;
+      }
     }
     if (was_there) {
       before.erase(found);
@@ -245,10 +247,20 @@ std::vector<std::string> changed_keys(const Study& study, const std::string& rec
   }
   for (const auto& [path, value] : before) {
     if (!changes_no_result(study, path)) {
-      changes.push_back(fmt::format("{} was {}, is gone", path, value));
+      changes.push_back({.path = path, .is = {}, .was = value});
     }
   }
   return changes;
+}
+
+std::vector<std::string> change_texts(std::span<const ChangedKey> changes) {
+  std::vector<std::string> texts;
+  for (const auto& [path, is, was] : changes) {
+    texts.push_back(!is    ? fmt::format("{} was {}, is gone", path, was.value_or(""))
+                    : !was ? fmt::format("{} is {}, was not there", path, *is)
+                           : fmt::format("{} is {}, was {}", path, *is, *was));
+  }
+  return texts;
 }
 
 }  // namespace glint

@@ -3,6 +3,8 @@
 // A study as text: whole, for readers elsewhere, as a hash, and what differs from a recorded one.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,9 +35,20 @@ bool is_recorded_as(const Study& study, const std::string& hash, const std::stri
 /// @throws ConfigError for a text that is none
 Study with_title_of(Study study, const std::string& recorded);
 
-/// "scan.positions is 12, was 24": every key in which the study differs from the recorded one, but
-/// for what its hash leaves out and the title, in the order of the study's tables. @throws
-/// ConfigError as above
-std::vector<std::string> changed_keys(const Study& study, const std::string& recorded);
+/// A key in which a study differs from a recorded one. Values are texts as in a file.
+struct ChangedKey {
+  std::string path;                ///< "scan.positions", "objective.0.reference"
+  std::optional<std::string> is;   ///< none: the key is gone
+  std::optional<std::string> was;  ///< none: the key was not there
+
+  bool operator==(const ChangedKey&) const = default;
+};
+
+/// Every key in which the study differs from the recorded one, but for what its hash leaves out and
+/// the title, in the order of the study's tables. @throws ConfigError as above
+std::vector<ChangedKey> changed_keys(const Study& study, const std::string& recorded);
+
+/// For people: "scan.positions is 12, was 24".
+std::vector<std::string> change_texts(std::span<const ChangedKey> changes);
 
 }  // namespace glint

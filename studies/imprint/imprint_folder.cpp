@@ -95,7 +95,7 @@ void check_imprint_folder(const fs::path& out, const Study& study, int count) {
         fmt::format("{}: holds parts of another configuration{}; choose another output folder, or "
                     "remove this one",
                     out.string(),
-                    differences_text(changed_keys(study, there))));
+                    differences_text(change_texts(changed_keys(study, there)))));
   }
 }
 

@@ -272,7 +272,8 @@ std::string adopt_begun_study(const Study& study, StudyIdentity& identity, const
   }
   const std::optional<SpaceChange> change = space_change(study, recorded, run);
   const std::vector<std::string> problems =
-      change ? problems_with(study, *change) : changed_keys(study, recorded.config_text);
+      change ? problems_with(study, *change)
+             : change_texts(changed_keys(study, recorded.config_text));
   if (change && problems.empty()) {
     widen_space(study, *change, identity, run);
     return join(change->wider, "; ");

@@ -27,7 +27,7 @@ std::string run_status(const SearchResult& search, bool has_search);
 /// How far a search is: "best 12.3456, 2 failed", "front of 17".
 std::string progress_note(const Goal& goal, const SearchProgress& progress);
 
-/// The first few of changed_keys(); without any a file must be another one.
+/// The first few of change_texts(); without any a file must be another one.
 std::string changes_text(const std::vector<std::string>& changes);
 
 /// "Baseline"; "Baseline (ring)" where designs without a search stand beside it under other lights.

@@ -24,27 +24,26 @@ ConfigError refusal(const fs::path& run, const std::string& reason) {
   return ConfigError(fmt::format("--from {}: {}", run.string(), reason));
 }
 
-/// "objective.0.reference is ..." and the like.
-bool is_of_choice(const std::string& change) {
-  const std::string path = change.substr(0, change.find(' '));
+/// "objective.0.reference" and the like.
+bool is_of_choice(const std::string& path) {
   return path.starts_with("objective.") &&
          std::ranges::any_of(std::vector<std::string>{".reference", ".aspiration", ".weight"},
                              [&](const std::string& key) { return path.ends_with(key); });
 }
 
 /// What may differ without changing what a score means.
-bool changes_no_score(const std::string& change) {
-  return is_of_choice(change) || std::ranges::any_of(std::vector<std::string>{"variables",
-                                                                              "search",
-                                                                              "prototypes",
-                                                                              "constraints",
-                                                                              "manufacture",
-                                                                              "choice",
-                                                                              "schema"},
-                                                     [&](const std::string& table) {
-                                                       return change.starts_with(table + ".") ||
-                                                              change.starts_with(table + " ");
-                                                     });
+bool changes_no_score(const ChangedKey& change) {
+  return is_of_choice(change.path) ||
+         std::ranges::any_of(std::vector<std::string>{"variables",
+                                                      "search",
+                                                      "prototypes",
+                                                      "constraints",
+                                                      "manufacture",
+                                                      "choice",
+                                                      "schema"},
+                             [&](const std::string& table) {
+                               return change.path == table || change.path.starts_with(table + ".");
+                             });
 }
 
 void check_variables(const Study& study, const Study& earlier, const fs::path& run) {
@@ -74,11 +73,11 @@ void check_meaning(const Study& study, const Study& earlier, const fs::path& run
   }
   Study there = earlier;
   there.resolved = write_scene(scene_with(earlier, values));
-  std::vector<std::string> changes = changed_keys(study, resolved_text(there));
+  std::vector<ChangedKey> changes = changed_keys(study, resolved_text(there));
   std::erase_if(changes, changes_no_score);
   if (!changes.empty()) {
     throw refusal(run,
-                  "its scores have another meaning: " + join(changes, "; ") +
+                  "its scores have another meaning: " + join(change_texts(changes), "; ") +
                       "; only limits of variables, reference, aspiration and weight of objectives, "
                       "[choice], [constraints], [prototypes], [manufacture], [search] and [budget] "
                       "may differ");

@@ -87,16 +87,21 @@ TEST_F(StudyChanges, PrototypesCountWhereSomethingKeptDependsOnThem) {
   const Study more = load_with(accuracy + kWide);
   EXPECT_NE(config_hash(more), config_hash(study));
   EXPECT_FALSE(is_recorded_as(more, config_hash(study), resolved_text(study)));
-  EXPECT_THAT(changed_keys(more, resolved_text(study)),
-              ElementsAre("prototypes.wide.lighting.tunnel.radius_mm is 150, was not there"));
+  EXPECT_THAT(
+      changed_keys(more, resolved_text(study)),
+      ElementsAre(ChangedKey{
+          .path = "prototypes.wide.lighting.tunnel.radius_mm", .is = "150", .was = std::nullopt}));
 }
 
 TEST_F(StudyChanges, AreToldWithBothValues) {
   const std::string recorded = resolved_text(load());
-  EXPECT_THAT(changed_keys(load({{"lighting.tunnel.radius_mm", "95"},
-                                 {"defects.dent.x_mm", "[7]"},
-                                 {"variables.\"lighting.tunnel.radius_mm\".max", "150"}}),
-                           recorded),
+  const Study changed = load({{"lighting.tunnel.radius_mm", "95"},
+                              {"defects.dent.x_mm", "[7]"},
+                              {"variables.\"lighting.tunnel.radius_mm\".max", "150"}});
+  const std::vector<ChangedKey> changes = changed_keys(changed, recorded);
+  ASSERT_EQ(changes.size(), 3U);
+  EXPECT_EQ(changes[0], (ChangedKey{.path = "lighting.tunnel.radius_mm", .is = "95", .was = "90"}));
+  EXPECT_THAT(change_texts(changes),
               ElementsAre("lighting.tunnel.radius_mm is 95, was 90",
                           "defects.dent.x_mm is [7], was [5]",
                           "variables.lighting.tunnel.radius_mm.max is 150, was 200"));
@@ -107,12 +112,17 @@ TEST_F(StudyChanges, AreToldWithBothValues) {
 TEST_F(StudyChanges, KeysThatCameAndWentAreToldToo) {
   const std::string recorded = resolved_text(load());
   const std::string more = recorded + "\n[pod]\nlevels = 5\n";
-  EXPECT_THAT(changed_keys(load(), more), ElementsAre("pod.levels was 5, is gone"));
+  const std::vector<ChangedKey> gone = changed_keys(load(), more);
+  EXPECT_THAT(gone, ElementsAre(ChangedKey{.path = "pod.levels", .is = std::nullopt, .was = "5"}));
+  EXPECT_THAT(change_texts(gone), ElementsAre("pod.levels was 5, is gone"));
   const auto at = recorded.find("[imprint]");
   ASSERT_NE(at, std::string::npos);
   const std::string less = recorded.substr(0, recorded.find("seed = 1\n", at)) +
                            recorded.substr(recorded.find("seed = 1\n", at) + 9);
-  EXPECT_THAT(changed_keys(load(), less), ElementsAre("imprint.seed is 1, was not there"));
+  const std::vector<ChangedKey> came = changed_keys(load(), less);
+  EXPECT_THAT(came,
+              ElementsAre(ChangedKey{.path = "imprint.seed", .is = "1", .was = std::nullopt}));
+  EXPECT_THAT(change_texts(came), ElementsAre("imprint.seed is 1, was not there"));
 }
 
 }  // namespace

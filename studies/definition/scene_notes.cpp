@@ -200,6 +200,17 @@ std::vector<std::string> path_notes(const SceneSettings& scene, const Scores& sc
 
 }  // namespace
 
+std::vector<std::string> light_titles(const SceneSettings& scene) {
+  std::vector<std::string> titles;
+  if (scene.has_tunnel) {
+    titles.push_back(named(scene.tunnel_name, "tunnel"));
+  }
+  for (const NamedLight& light : scene.lights) {
+    titles.push_back(named(light.name, light_type(light.settings)));
+  }
+  return titles;
+}
+
 std::vector<std::string> light_lines(const SceneSettings& scene) {
   std::vector<std::string> lines;
   if (scene.has_tunnel) {

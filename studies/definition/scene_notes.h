@@ -12,8 +12,12 @@
 
 namespace glint {
 
-/// One line about each light: "ring, radii 25 to 40 mm, at 30 mm, on the camera", with its name in
-/// front where that is not its type.
+/// What each light is called: "ring", and with its name in front where that is not its type:
+/// "upper: ring".
+std::vector<std::string> light_titles(const SceneSettings& scene);
+
+/// One line about each light: "ring, radii 25 to 40 mm, at 30 mm, on the camera", its title in
+/// front.
 std::vector<std::string> light_lines(const SceneSettings& scene);
 
 /// How many images the tunnel's scan takes; empty without a tunnel.

@@ -89,11 +89,7 @@ std::string baseline_title(const Study& study) {
       std::ranges::none_of(study.prototypes, sets_lights)) {
     return "Baseline";
   }
-  std::vector<std::string> lights;
-  for (const std::string& line : light_lines(study.scene)) {
-    lights.push_back(line.substr(0, line.find(',')));
-  }
-  return fmt::format("Baseline ({})", join(lights, ", "));
+  return fmt::format("Baseline ({})", join(light_titles(study.scene), ", "));
 }
 
 std::string trials_csv(const Study& study, const Storage& storage) {

@@ -35,14 +35,22 @@ TEST(LightLines, TellTypeSizeAndPlaceOfEachLight) {
   EXPECT_THAT(light_lines(scene),
               ElementsAre("upper: ring, radii 25 to 40 mm, tilted by 30\u00b0, on the camera",
                           "sky: environment, the same from everywhere"));
+  EXPECT_THAT(light_titles(scene), ElementsAre("upper: ring", "sky: environment"));
   scene.has_tunnel = true;
   scene.tunnel_name = "arch";
+  EXPECT_EQ(light_titles(scene).front(), "arch: tunnel");
   EXPECT_EQ(
       light_lines(scene).front(),
       "arch: tunnel, semicylinder, 200 mm wide, up to 100 mm above the origin, 600 mm long, slot "
       "20 mm, stripes of period 16 mm, bright share 0.5");
   scene.tunnel_name = "tunnel";
   EXPECT_EQ(light_lines(scene).front().rfind("tunnel, semicylinder", 0), 0U);
+}
+
+TEST(LightLines, ATitleIsWholeWithACommaInTheName) {
+  const SceneSettings scene = lit_by({{.name = "left, low", .settings = RingSettings{}},
+                                      {.name = "ring", .settings = RingSettings{}}});
+  EXPECT_THAT(light_titles(scene), ElementsAre("left, low: ring", "ring"));
 }
 
 // The lobes of rough metal see slot and ends: its mean is uneven without any clipping.

@@ -19,7 +19,7 @@
 namespace glint {
 namespace {
 
-constexpr std::array<const char*, 12> kColumns = {"picture",
+constexpr std::array<const char*, 13> kColumns = {"picture",
                                                   "width_px",
                                                   "height_px",
                                                   "board_x_mm",
@@ -29,6 +29,7 @@ constexpr std::array<const char*, 12> kColumns = {"picture",
                                                   "residual_x_px",
                                                   "residual_y_px",
                                                   "used",
+                                                  "outcome",
                                                   "reason",
                                                   "orientation"};
 
@@ -63,6 +64,8 @@ class CornerTable {
     const CsvField* field = find(row, column);
     return field == nullptr ? std::string() : field->text;
   }
+
+  bool has(const char* column) const { return column_.contains(column); }
 
   bool is_empty(std::size_t row, const char* column) const { return text(row, column).empty(); }
 
@@ -101,21 +104,45 @@ class CornerTable {
   std::map<std::string, std::size_t> column_;
 };
 
-/// What became of a picture without corners, from the text that reason_of_view() made.
-BoardView view_without_corners(const std::string& reason) {
+/// Of a picture without corners; nullopt for a word that is no such outcome.
+std::optional<BoardOutcome> outcome_without_corners(std::string_view name) {
   for (int i = static_cast<int>(BoardOutcome::kNoBoard);
        i <= static_cast<int>(BoardOutcome::kDoubled);
        ++i) {
-    const auto outcome = static_cast<BoardOutcome>(i);
-    const std::string name = outcome_name(outcome);
-    if (reason == name) {
-      return {.outcome = outcome};
-    }
-    if (reason.starts_with(name + ": ")) {
-      return {.outcome = outcome, .why = reason.substr(name.size() + 2)};
+    if (const auto outcome = static_cast<BoardOutcome>(i); outcome_name(outcome) == name) {
+      return outcome;
     }
   }
-  return {.outcome = BoardOutcome::kNoBoard, .why = reason};
+  return std::nullopt;
+}
+
+/// Of a table without the column outcome: "dark" or "dark: white is 3 % of full scale".
+BoardView older_view(const std::string& field) {
+  const std::size_t colon = field.find(": ");
+  const auto outcome = outcome_without_corners(std::string_view(field).substr(0, colon));
+  if (!outcome) {
+    return {.outcome = BoardOutcome::kNoBoard, .why = field};
+  }
+  return {.outcome = *outcome,
+          .why = colon == std::string::npos ? std::string() : field.substr(colon + 2)};
+}
+
+/// What became of a picture without corners.
+BoardView view_without_corners(const CornerTable& table, std::size_t row) {
+  const std::string reason = table.text(row, "reason");
+  if (!table.has("outcome")) {
+    return older_view(reason);
+  }
+  const std::string name = table.text(row, "outcome");
+  const auto outcome = outcome_without_corners(name);
+  if (!outcome) {
+    table.fail(row,
+               "outcome",
+               fmt::format("is \"{}\" of a picture without corners, must be no board, cut off, "
+                           "blurred, saturated, dark or doubled",
+                           name));
+  }
+  return {.outcome = *outcome, .why = reason};
 }
 
 bool is_orientation_known(const CornerTable& table, std::size_t row) {
@@ -132,14 +159,15 @@ void add_row(const CornerTable& table, std::size_t row, FoundCorners& found) {
   if (name.empty()) {
     table.fail(row, "picture", "is empty, must be the picture's name");
   }
+  const bool is_found = !table.is_empty(row, "x_px") || !table.is_empty(row, "y_px");
   if (found.names.empty() || found.names.back() != name) {
     if (std::ranges::find(found.names, name) != found.names.end()) {
       table.fail(row, "picture", "corners of one picture must stand together");
     }
     found.names.push_back(name);
-    found.views.push_back(view_without_corners(table.text(row, "reason")));
+    found.views.push_back(is_found ? BoardView() : view_without_corners(table, row));
   }
-  if (table.is_empty(row, "x_px") && table.is_empty(row, "y_px")) {
+  if (!is_found) {
     return;
   }
   BoardView& view = found.views.back();
@@ -195,14 +223,18 @@ std::string corners_csv(const CalibrateInput& input,
   for (std::size_t i = 0; i < input.names.size(); ++i) {
     const BoardCorners& corners = input.corners[i];
     const char* used = is_used(solved, i) ? "yes" : "no";
-    const std::string reason = reason_of(input, solved, i);
+    const BoardView& view = input.views[i];
+    const std::string reason = view.is_accepted() ? reason_of(input, solved, i) : view.why;
     const auto row = [&](const std::vector<double>& numbers, const char* orientation) {
-      return corner_row(input, i, numbers, {used, csv_plain_text(reason), orientation});
+      return corner_row(input,
+                        i,
+                        numbers,
+                        {used, outcome_name(view.outcome), csv_plain_text(reason), orientation});
     };
     if (corners.picture_px.empty()) {
       text += row({}, "");
     }
-    const char* orientation = input.views[i].is_orientation_known ? "known" : "unknown";
+    const char* orientation = view.is_orientation_known ? "known" : "unknown";
     for (std::size_t k = 0; k < corners.picture_px.size(); ++k) {
       const Eigen::Vector3d& board_mm = corners.board_mm[k];
       const Eigen::Vector2d& px = corners.picture_px[k];

@@ -6,12 +6,16 @@
 //   board_x_mm, board_y_mm            corner on the board, as it was found
 //   x_px, y_px                        corner in the picture; (0, 0) is the outer corner of a pixel
 //   residual_x_px, residual_y_px      found minus computed; empty where none is known
-//   used, reason                      yes or no, and why not
+//   used                              yes or no
+//   outcome                           of the search for the board: outcome_name()
+//   reason                            more on a board that was not found, or why a picture with one
+//                                     is not used
 //   orientation                       known, or unknown: the picture does not tell which way round
 //                                     the board lies
 //
 // A picture without corners has one row with empty numbers. Reading needs neither residuals nor
-// used; without orientation, as in tables of before, it is known.
+// used; without orientation, as in tables of before, it is known, and without outcome it begins the
+// reason: "dark: white is 3 % of full scale".
 #pragma once
 
 #include <string>

@@ -209,6 +209,20 @@ void visit_keys(KeyVisitor& keys, DefectGroup& g) {
   keys.require(g.colour.size() != 2, "colour", "has 2 numbers, must be 1 (grey) or 3");
 }
 
+bool uses_key(DefectType type, std::string_view key) {
+  const bool is_drawn_out = type == DefectType::kScratch || type == DefectType::kGouge;
+  if (key == "length_mm" || key == "width_mm") {
+    return is_drawn_out;
+  }
+  if (key == "diameter_mm") {
+    return !is_drawn_out;
+  }
+  if (key == "colour" || key == "stain_roughness_deg") {
+    return type == DefectType::kStain;
+  }
+  return true;
+}
+
 DefectType type_from_name(const std::string& name) {
   for (std::size_t i = 0; i < kTypeNames.size(); ++i) {
     if (name.starts_with(kTypeNames[i])) {

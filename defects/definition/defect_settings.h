@@ -86,6 +86,9 @@ struct DefectGroup {
 
 void visit_keys(KeyVisitor& keys, DefectGroup& group);
 
+/// Whether a defect of this type has a use for a key of its table: a dent has none for length_mm.
+bool uses_key(DefectType type, std::string_view key);
+
 /// The type a table of that name has when it gives none ("dents" -> dent), kDent otherwise.
 DefectType type_from_name(const std::string& name);
 

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "core/text.h"
 #include "studies/definition/scene.h"
 #include "studies/definition/study.h"
 #include "studies/definition/study_tables.h"
@@ -92,20 +91,6 @@ void add_light_types(std::vector<KeyRow>& rows) {
   }
 }
 
-/// Whether a doc that begins with types of defects ("scratch, gouge: from end to end") begins with
-/// others only.
-bool is_of_other_types(std::string_view doc, DefectType type) {
-  const std::size_t colon = doc.find(':');
-  bool names_types = colon != std::string_view::npos;
-  bool names_this = false;
-  for (const std::string& word : split(std::string(doc.substr(0, colon)), ',')) {
-    const std::string name = word.substr(std::min(word.find_first_not_of(' '), word.size()));
-    names_types = names_types && type_name(type_from_name(name)) == name;
-    names_this = names_this || name == type_name(type);
-  }
-  return names_types && !names_this;
-}
-
 }  // namespace
 
 std::span<const KeyGroup> key_groups() {
@@ -125,8 +110,10 @@ std::vector<KeyRow> keys_of(DefectType type) {
   const std::string table = "defects.dent.";
   std::vector<KeyRow> rows;
   for (KeyRow& row : scene_keys()) {
-    if (row.path.starts_with(table) && !is_of_other_types(row.doc, type)) {
-      row.path = fmt::format("defects.{}.{}", type_name(type), row.path.substr(table.size()));
+    const std::string key =
+        row.path.starts_with(table) ? row.path.substr(table.size()) : std::string();
+    if (!key.empty() && uses_key(type, key)) {
+      row.path = fmt::format("defects.{}.{}", type_name(type), key);
       rows.push_back(std::move(row));
     }
   }

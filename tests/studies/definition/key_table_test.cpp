@@ -72,5 +72,19 @@ TEST(KeysOf, ADefectAreThoseThatItsTypeHasAUseFor) {
   EXPECT_FALSE(stain.contains("defects.stain.length_mm"));
 }
 
+// A key that is told apart by another name than the table's would be listed nowhere, or always.
+TEST(KeysOf, ADefectAreOneTableForAllTypesTogether) {
+  const std::set<std::string> dent = paths_of(keys_of(DefectType::kDent));
+  const std::set<std::string> gouge = paths_of(keys_of(DefectType::kGouge));
+  const std::set<std::string> stain = paths_of(keys_of(DefectType::kStain));
+  const std::set<std::string> all = paths_of(all_keys());
+  EXPECT_EQ(gouge.size(), dent.size() + 1) << "length and width for a diameter";
+  EXPECT_EQ(stain.size(), dent.size() + 2) << "colour and roughness";
+  EXPECT_TRUE(std::ranges::includes(all, dent));
+  EXPECT_TRUE(all.contains("defects.dent.stain_roughness_deg"));
+  EXPECT_TRUE(stain.contains("defects.stain.stain_roughness_deg"));
+  EXPECT_FALSE(dent.contains("defects.dent.stain_roughness_deg"));
+}
+
 }  // namespace
 }  // namespace glint

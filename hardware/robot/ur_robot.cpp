@@ -28,9 +28,11 @@ constexpr double kMotionDeliveryS = 2.0;
 constexpr double kAcknowledgedS = 0.06;
 constexpr auto kPoll = std::chrono::milliseconds(20);
 
-/// A text that begins with the peer's address, once: connections name it, protocols do not.
-std::string with_address(const std::string& peer, const std::string& why) {
-  return why.starts_with(peer + ":") ? why : fmt::format("{}: {}", peer, why);
+/// What failed, behind the peer's address: connections name it themselves, protocols do not.
+std::string failure_text(const std::string& peer, const std::exception& error) {
+  const bool names_peer = dynamic_cast<const IoError*>(&error) != nullptr &&
+                          dynamic_cast<const ProtocolError*>(&error) == nullptr;
+  return names_peer ? error.what() : fmt::format("{}: {}", peer, error.what());
 }
 
 /// A motion that still waits to be sent would come with the stop behind it, as late as the stop
@@ -104,7 +106,7 @@ struct UrRobot::Impl {
       return true;
     } catch (const std::exception& error) {  // of any kind: an arm that moves is to be stopped
       const std::lock_guard lock(mutex);
-      failure = failure.empty() ? error.what() : failure;
+      failure = failure.empty() ? failure_text(rtde.peer(), error) : failure;
       lose(error.what());
       return false;
     }
@@ -232,8 +234,8 @@ struct UrRobot::Impl {
   std::string last_stop;    ///< that nobody has got yet; the reader's alone
   std::uint64_t rounds = 0;
   bool has_ended = false;  ///< the reader
-  std::string failure;
-  std::jthread reader;  // last: ends before what it uses
+  std::string failure;     ///< the first one, with the address of who it is of
+  std::jthread reader;     // last: ends before what it uses
 };
 
 UrRobot::UrRobot(const UrSettings& settings, const ArmWithTool& arm, double timeout_s)
@@ -246,10 +248,10 @@ UrRobot::UrRobot(const UrSettings& settings, const ArmWithTool& arm, double time
     impl_->changed.wait_for(lock, kPoll);
   }
   if (!impl_->driver.is_streaming()) {
-    const std::string why = impl_->failure.empty()
-                                ? fmt::format("sends no data within {:.1f} s", timeout_s)
-                                : impl_->failure;
-    throw IoError(with_address(impl_->rtde.peer(), why));
+    throw IoError(
+        impl_->failure.empty()
+            ? fmt::format("{}: sends no data within {:.1f} s", impl_->rtde.peer(), timeout_s)
+            : impl_->failure);
   }
 }
 

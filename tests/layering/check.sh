@@ -34,7 +34,8 @@ BEGIN {
   unwanted = unwanted "|std::random_device|std::mt19937|std::[a-z_]+_distribution|ffast-math"
   unfinished = "TO" "DO|FIX" "ME"
   # Not for a single character, as that of a line's end.
-  searched = "(note|message|remark|problem|text\\(\\)|what\\(\\))s?\\)?\\.(r?find|starts_with|ends_with)\\([^']"
+  searched = "(note|message|remark|problem|change|reason|why|sentence|doc|text\\(\\)|what\\(\\))s?"
+  searched = searched "\\)?\\.(r?find|starts_with|ends_with)\\([^']"
 }
 
 # "simulator/light/tunnel/tunnel.h" -> simulator
@@ -70,7 +71,7 @@ FNR == 1 {
 $0 ~ unwanted { report("uses what gcc 12 and clang 14 lack or what breaks reproducibility") }
 $0 ~ unfinished { report("is marked as unfinished") }
 /thread_local/ && room != "tests" { report("keeps state of a thread; let an object own it") }
-room ~ /^(studies|cli)$/ && $0 ~ searched { report("searches a text that people read; give it a kind") }
+room ~ /^(studies|cli|hardware|optimizer)$/ && $0 ~ searched { report("searches a text that people read; give it a kind") }
 /std::(cout|cerr)/ && room != "cli" && room != "tests" { report("prints; libraries never do") }
 
 END { end_of_file() }

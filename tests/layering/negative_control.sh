@@ -14,7 +14,7 @@ spdx='// SPDX-License-Identifier: GPL-3.0-or-later'
 
 clean_tree() {
   rm -rf "${tree:?}"/*
-  mkdir -p "$tree"/{core,metrics,optimizer,simulator/{light,geometry,render},defects,studies,cli}
+  mkdir -p "$tree"/{core,metrics,optimizer,hardware,simulator/{light,geometry,render},defects,studies,cli}
   printf '%s\n#pragma once\n#include <vector>\n' "$spdx" >"$tree/core/error.h"
   printf '%s\n#include "core/error.h"\n#include <CGAL/a.h>\n' "$spdx" >"$tree/core/error.cpp"
   printf '%s\n#pragma once\n#include "simulator/light/a.h"\n' "$spdx" >"$tree/simulator/render/a.h"
@@ -68,6 +68,14 @@ for line in 'return note.find(words) != note.npos;' 'if (cell.message.starts_wit
   'return std::string_view(error.what()).ends_with("px");'; do
   add cli/main.cpp "$line"
   expect_found "cli/main.cpp:4: searches a text that people read"
+done
+for line in 'return change.starts_with(table + ".");' 'if (reason.starts_with(name)) {' \
+  'return why.find("closed") == 0;' 'if (row.doc.ends_with(words)) {'; do
+  for file in hardware/link.cpp optimizer/step.cpp; do
+    clean_tree
+    printf '%s\n' "$spdx" "$line" >"$tree/$file"
+    expect_found "$file:2: searches a text that people read"
+  done
 done
 clean_tree
 printf '%s\n' "message = message.substr(0, message.find('\\n'));" >>"$tree/cli/main.cpp"

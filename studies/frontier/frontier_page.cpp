@@ -37,6 +37,9 @@ Json point_json(const FrontierPoint& point) {
   const ComparedMethod& method = point.method;
   const bool is_noisy = method.is_noisy;
   Json json = {{"method", method_name(method.render.method)},
+               {"kind", method.kind},
+               {"kind_name", method.kind_name},
+               {"is_noisy", is_noisy},
                {"label", point.label},
                {"samples", is_noisy ? Json(method.paths.samples) : Json(nullptr)},
                {"max_reflections", is_noisy ? Json(method.paths.max_reflections) : Json(nullptr)},
@@ -84,6 +87,7 @@ Json reference_json(const FrontierReference& reference) {
     defects[label] = {{"weber", weber}, {"change", reference.change.at(label)}};
   }
   Json json = {{"method", method_name(reference.method.render.method)},
+               {"is_noisy", reference.method.is_noisy},
                {"rays_per_px", reference.method.rays_per_px},
                {"h_rms", reference.h_rms},
                {"defects", defects},

@@ -387,6 +387,18 @@ in_run_cpp '!is_surrounding(light.settings)' is_surrounding
 in_run_cpp 'lights.first_tunnel_group >= 0' first_tunnel_group
 in_run_cpp 'body.name == study.scene.tunnel_name' '== study.scene.tunnel_name'
 in_run_cpp 'scene.tunnel_name != name' 'tunnel_name !='
+in_script() { # code, what it asks
+  clean_tree
+  write cli/web/page.js "const isSo = $1;"
+  expect_found "cli/web/page.js:2: asks $2: how a scene is rendered is asked in "
+}
+in_script "data.reference?.method === 'paths'" "method === 'paths'"
+in_script "'sampled' !== point.method" "'sampled' !== point.method"
+in_script 'kLooks[point.method]' '[point.method]'
+in_script "family.name.startsWith('paths')" "startsWith('paths"
+clean_tree
+write cli/web/page.js "// method === 'paths'" 'const isSo = reference.is_noisy && row.method === other.method;'
+expect_clean "noise and the same method in a script" "rooms: no violation"
 clean_tree
 add cli/run.cpp '// needs_paths() is asked elsewhere'
 expect_clean "a question in a comment" "rooms: no violation"

@@ -10,17 +10,22 @@ const kKinds = [
   { name: 'contrast_error_percent', title: 'Error of the worst defect\u2019s contrast', axis: '%', limit: 2, rounding: 1e-3 },
 ];
 
-const kLooks = {
-  sampled: { name: 'plain sampling', colour: '#0072b2', symbol: 'circle', size: 11 },
-  integrated: { name: 'integrated footprints', colour: '#d55e00', symbol: 'diamond', size: 14 },
-  closed: { name: 'closed forms', colour: '#009e73', symbol: 'rect', size: 11 },
-  paths: { name: 'paths', colour: '#0072b2', symbol: 'circle', size: 11 },
-};
-const kFacetColours = { sampled: '#56b4e9', integrated: '#cc79a7', paths: '#56b4e9' };
+/** How points look, by their `kind`; the automatic choice has a ring of its own. */
+const kLooks = [
+  { colour: '#0072b2', facets: '#56b4e9', symbol: 'circle', size: 11, label: 'top' },
+  { colour: '#d55e00', facets: '#cc79a7', symbol: 'diamond', size: 14, label: 'bottom' },
+  { colour: '#009e73', facets: '#009e73', symbol: 'rect', size: 11, label: 'bottom' },
+  null,
+  { colour: '#0072b2', facets: '#56b4e9', symbol: 'circle', size: 11, label: 'bottom' },
+  { colour: '#d55e00', facets: '#d55e00', symbol: 'diamond', size: 14, label: 'bottom' },
+  { colour: '#009e73', facets: '#009e73', symbol: 'rect', size: 11, label: 'bottom' },
+];
+/** Files of older versions tell no kind. */
+const lookOf = (point) => kLooks[point.kind ?? 0];
 const kCurrentColour = '#c23b22';
 const kInk = '#27313a';
 
-const isPathTraced = (data) => data.reference?.method === 'paths';
+const hasNoisyReference = (data) => data.reference?.is_noisy === true;
 const hasOtherReflections = (data, point) => point.max_reflections > 0 && point.max_reflections !== data.points[0].max_reflections;
 
 /** What of a point is not the scene's own, beside its resolution. */
@@ -30,20 +35,20 @@ function deviation(data, point) {
   return null;
 }
 
-/** Points of one look: method, resolution, and whether the surface is the study's own. */
+/** Points of one look: kind of method, resolution, and whether the surface is the study's own. */
 function families(data) {
   const own = data.points[0]?.tessellation;
   const found = new Map();
   for (const point of data.points) {
-    const look = kLooks[point.method];
+    const look = lookOf(point);
     if (!look || point.problem) continue;
     const isFacets = point.tessellation !== own;
     const isHalf = point.resolution !== 'full';
     const other = deviation(data, point);
     const isSingle = isFacets || other !== null;
     const resolution = isHalf ? `, ${point.resolution} resolution` : '';
-    const name = `${look.name}${resolution}${isFacets ? ', facets' : ''}${other?.name ?? ''}`;
-    if (!found.has(name)) found.set(name, { ...look, name, isHalf, isFacets, isSingle, colour: other?.colour ?? (isFacets ? kFacetColours[point.method] ?? look.colour : look.colour), symbol: other?.symbol ?? (isFacets ? 'triangle' : look.symbol), points: [] });
+    const name = `${point.kind_name ?? 'methods'}${resolution}${isFacets ? ', facets' : ''}${other?.name ?? ''}`;
+    if (!found.has(name)) found.set(name, { ...look, name, isHalf, isFacets, isSingle, colour: other?.colour ?? (isFacets ? look.facets : look.colour), symbol: other?.symbol ?? (isFacets ? 'triangle' : look.symbol), points: [] });
     found.get(name).points.push(point);
   }
   return [...found.values()];
@@ -57,7 +62,7 @@ function mark(point, family) {
   if (point.realisation && point.realisation !== 'own') return point.realisation;
   if (point.samples) return family.isSingle ? `${point.max_reflections} refl.` : String(point.samples);
   if (point.rays_per_px) return String(point.rays_per_px);
-  return point.method === 'integrated' ? `${number(point.max_direction_error_mrad)} mrad` : '';
+  return isNumber(point.max_direction_error_mrad) ? `${number(point.max_direction_error_mrad)} mrad` : '';
 }
 
 function pointText(point) {
@@ -78,7 +83,7 @@ const error = (kind, point) => Math.max(errorOf(kind, point), kind.rounding);
 
 /** Of paths the noise of the reference takes the place of rounding; the study's own score has a chart too. */
 function kindsOf(data) {
-  if (!isPathTraced(data)) return kKinds;
+  if (!hasNoisyReference(data)) return kKinds;
   const noise = (name) => data.reference.scores?.[name]?.standard_error ?? 0;
   const own = { frame_rmse: data.reference.own_frame_rmse ?? 0, h_error_points: 100 * noise('homogeneity.h_rms'), contrast_error_percent: 0 };
   const kinds = kKinds.map((kind) => ({ ...kind, axis: kind.name === 'frame_rmse' ? 'RMSE of grey values, full scale 1' : kind.axis, limit: kind.name === 'h_error_points' ? 0.5 : kind.name === 'frame_rmse' ? 0.01 : 5, own: own[kind.name], rounding: Math.max(kind.rounding, 0.5 * own[kind.name]) }));
@@ -90,12 +95,12 @@ function kindsOf(data) {
 const place = (kind) => (point) => [1e3 * point.cpu_s, error(kind, point)];
 
 function familySeries(family, kind) {
-  const points = family.points.filter(drawable(kind)).sort((a, b) => (family.name.startsWith('paths') ? a.cpu_s - b.cpu_s : 0));
+  const points = family.points.filter(drawable(kind)).sort((a, b) => (a.is_noisy && b.is_noisy ? a.cpu_s - b.cpu_s : 0));
   return { name: family.name, type: 'line', symbol: family.symbol, symbolSize: family.size, color: family.colour,
     labelLayout: { hideOverlap: true },
     itemStyle: { color: family.isHalf ? '#fff' : family.colour, borderColor: family.colour, borderWidth: 1.6, opacity: 1 },
     lineStyle: { color: family.colour, width: family.isSingle ? 0 : 1.2, opacity: 0.45, type: family.isHalf ? 'dashed' : 'solid' },
-    data: points.map((point) => ({ value: place(kind)(point), point, label: { show: true, formatter: mark(point, family), position: point.method === 'sampled' ? 'top' : 'bottom', ...kHalo, color: family.colour } })) };
+    data: points.map((point) => ({ value: place(kind)(point), point, label: { show: true, formatter: mark(point, family), position: family.label, ...kHalo, color: family.colour } })) };
 }
 
 /** The front as steps: between two of its points the cheaper one is the best to be had. */
@@ -149,7 +154,7 @@ function frontierChart(data, kind) {
     grid: { left: 62, right: 28, top: 84, bottom: 46 },
     legend: { top: 0, left: 56, right: 16, itemWidth: 18, itemGap: 16, textStyle: kText },
     tooltip: { trigger: 'item', confine: true, textStyle: { fontSize: 12, color: kInk }, formatter: (item) => (item.data?.point ? pointText(item.data.point) : item.name || item.seriesName) },
-    xAxis: { type: 'log', name: isPathTraced(data) ? 'CPU time of one more picture and its scores, all threads (ms)' : 'CPU time of one more candidate, one thread (ms)', nameLocation: 'middle', nameGap: 28, ...x, ...axisStyle, axisLabel: label },
+    xAxis: { type: 'log', name: hasNoisyReference(data) ? 'CPU time of one more picture and its scores, all threads (ms)' : 'CPU time of one more candidate, one thread (ms)', nameLocation: 'middle', nameGap: 28, ...x, ...axisStyle, axisLabel: label },
     yAxis: { type: 'log', name: kind.axis, ...y, ...axisStyle, nameTextStyle: { color: kInk, align: 'left' }, axisLabel: label },
     series: [...groups.map((family) => familySeries(family, kind)), frontSeries(data, kind), choiceSeries(data, kind), currentSeries(data, kind)].filter((series) => series.data.length || series.markLine),
   });
@@ -171,7 +176,7 @@ export function frontierSection(facts) {
   const data = facts.data.frontier;
   if (!data?.points?.length) return null;
   const reduced = data.pixel_factor > 1 ? ` Pictures are reduced to ${data.width_px} x ${data.height_px} px, 1/${data.pixel_factor} of the scene\u2019s along both sides.` : '';
-  const numbers = isPathTraced(data) ? 'samples a pixel, or the most reflections' : 'rays a pixel or the allowed error of a ray\u2019s direction';
+  const numbers = hasNoisyReference(data) ? 'samples a pixel, or the most reflections' : 'rays a pixel or the allowed error of a ray\u2019s direction';
   return section('frontier', 'Error against CPU time', `Left is faster, down is more exact. Filled marks are full resolution, open marks less of it; numbers beside them are ${numbers}. Hover for cold costs and single defects.${reduced}`,
     kindsOf(data).map((kind) => frontierChart(data, kind)));
 }
@@ -204,6 +209,6 @@ export function frontierRankingSection(facts) {
 export function frontierTableSection(facts) {
   const data = facts.data.frontier;
   if (!data?.points?.length) return null;
-  return section('measured', 'All methods', isPathTraced(data) ? 'CPU time of one more picture with its scores, all threads, and of the first one with the part; errors of frames (also in the region of interest alone), of h_rms, and of the worst defect in the mean image (contrast) and in its best frame (change).' : 'Time of one more candidate on one thread and of the first one; errors of frames (also without edges of light and part and without defects), of h_rms, and of the worst defect in the mean image (contrast) and in its best frame (change).', h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
+  return section('measured', 'All methods', hasNoisyReference(data) ? 'CPU time of one more picture with its scores, all threads, and of the first one with the part; errors of frames (also in the region of interest alone), of h_rms, and of the worst defect in the mean image (contrast) and in its best frame (change).' : 'Time of one more candidate on one thread and of the first one; errors of frames (also without edges of light and part and without defects), of h_rms, and of the worst defect in the mean image (contrast) and in its best frame (change).', h('div', { class: 'scroll' }, h('table', { class: 'evaluations' },
     h('thead', {}, h('tr', {}, kHeadings.map((text, i) => h('th', { class: i > 0 ? 'number' : '' }, text)))), h('tbody', {}, data.points.map(row)))));
 }

@@ -327,6 +327,10 @@ TEST(FrontierStudy, WritesItsFilesAndLeavesARunsFilesAlone) {
   EXPECT_EQ(written["points"], json["points"]);
   const auto& first = written["points"][0];
   EXPECT_EQ(first["method"], "sampled");
+  EXPECT_EQ(first["kind"], 0);
+  EXPECT_EQ(first["kind_name"], "plain sampling");
+  EXPECT_EQ(first["is_noisy"], false);
+  EXPECT_EQ(written["reference"]["is_noisy"], false);
   EXPECT_EQ(first["rays_per_px"], 1);
   EXPECT_EQ(first["resolution"], "full");
   EXPECT_TRUE(first["defects"]["dent_1"].contains("weber_error_percent"));

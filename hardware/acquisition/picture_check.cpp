@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/config/renamed_key.h"
 #include "hardware/acquisition/edge_spread.h"
 
 namespace glint {
@@ -261,7 +262,10 @@ void visit_keys(KeyVisitor& keys, PictureLimits& limits) {
               limits.min_outline_share,
               Range::between(0, 1),
               "of the part's expected outline that must be seen");
-  keys.integer("most_retakes", limits.max_retakes, Range::between(0, 20), "of one picture");
+  keys.integer(name_in_table(keys, "max_retakes", "most_retakes"),
+               limits.max_retakes,
+               Range::between(0, 20),
+               "of one picture");
 }
 
 double blur_limit_px(const PictureLimits& limits, double expected_blur_px) {

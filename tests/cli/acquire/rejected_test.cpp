@@ -46,6 +46,7 @@ class ScenePictures : public testing::Test {
     const ProgramResult result =
         glint_in(folder_, driving({"acquire", "scene.toml", "--out", "out"}));
     EXPECT_THAT(result.code, testing::AnyOf(0, 1)) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("most_retakes is called max_retakes now"));
     return json::parse(read_file(folder_ / "out/acquired.json"));
   }
 

@@ -34,8 +34,8 @@ TEST(CellStage, NamesWhatIsMissing) {
   EXPECT_THAT(problem_of_stage("[stage]\nkind = \"rail\"\n"), HasSubstr("framebuffer"));
   EXPECT_THAT(problem_of_stage("[stage]\nhost = \"1.2.3.4\"\nspeed_mm_s = 0\n"),
               HasSubstr("stage.speed_mm_s"));
-  EXPECT_THAT(problem_of_stage("[acquisition]\nmost_retakes = 50\n"),
-              HasSubstr("acquisition.most_retakes"));
+  EXPECT_THAT(problem_of_stage("[acquisition]\nmax_retakes = 50\n"),
+              HasSubstr("acquisition.max_retakes"));
   EXPECT_THAT(problem_of_stage("[twin]\nmotion_speedup = 0\n"), HasSubstr("twin.motion_speedup"));
 }
 

@@ -284,7 +284,7 @@ std::vector<std::string> warnings_of(const Json& result) {
         "the objective is the same at both ends of every variable and in the other designs that "
         "were looked at: a search could not tell designs apart");
   }
-  for (const Json& name : result["idle_variables"]) {
+  for (const Json& name : result["insensitive_variables"]) {
     warnings.push_back(fmt::format("{} changes nothing in this scene", name.get<std::string>()));
   }
   for (const Json& limit : result["broken_limits"]) {

@@ -387,7 +387,8 @@ class Check {
             {"variables", study_.space.variables.size()},
             {"objective", study_.goal.objective.name},
             {"objectives", names_of_objectives()},
-            {"idle_variables", variables_.idle()},
+            {"insensitive_variables", variables_.idle()},
+            {"idle_variables", variables_.idle()},  // as older versions called them
             {"broken_limits", variables_.broken()},
             {"is_objective_flat", is_objective_flat_},
             {"baseline", baseline_},

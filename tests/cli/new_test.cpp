@@ -117,7 +117,7 @@ TEST(NewStudy, OfEachKindOfLightChecks) {
     EXPECT_THAT(text, HasSubstr("[lighting." + light + "]"));
     EXPECT_THAT(text, HasSubstr("maximise = \"defects.min_dprime\""));
     const Json checked = json_of(folder, {"check", light + ".toml", "--set", kFewSamples});
-    EXPECT_TRUE(checked["idle_variables"].empty()) << checked["idle_variables"];
+    EXPECT_TRUE(checked["insensitive_variables"].empty()) << checked["insensitive_variables"];
     const double mean = checked["baseline"]["scores"]["homogeneity.mean"];
     EXPECT_GT(mean, 0.15);
     EXPECT_LT(mean, 0.75);

@@ -131,11 +131,12 @@ TEST(Check, SaysWhereMoreEvaluationsFitIntoTheTime) {
 TEST(Check, NamesVariablesThatChangeNothing) {
   const TemporaryFolder folder;
   write_file(folder / "study.toml", small_study());
-  EXPECT_TRUE(json_of(folder, {"check", "study.toml"})["idle_variables"].empty());
+  EXPECT_TRUE(json_of(folder, {"check", "study.toml"})["insensitive_variables"].empty());
   const Json json =
       json_of(folder, {"check", "study.toml", "--set", "lighting.tunnel.shape=ellipse"});
-  ASSERT_EQ(json["idle_variables"].size(), 1U);
-  EXPECT_EQ(json["idle_variables"][0], "lighting.tunnel.radius_mm");
+  ASSERT_EQ(json["insensitive_variables"].size(), 1U);
+  EXPECT_EQ(json["insensitive_variables"][0], "lighting.tunnel.radius_mm");
+  EXPECT_EQ(json["idle_variables"], json["insensitive_variables"]) << "the name of before";
   EXPECT_THAT(
       glint_in(folder, {"check", "study.toml", "--set", "lighting.tunnel.shape=ellipse"}).out,
       HasSubstr(": the study can be run, 1 warning, 2 variables"));

@@ -33,7 +33,7 @@ std::string_view status_text(const std::string& status) {
   if (status == "good") {
     return "good";
   }
-  if (status == "most_rounds") {
+  if (status == "max_rounds") {
     return "all rounds are used up, further poses may help";
   }
   if (status == "no_picture") {

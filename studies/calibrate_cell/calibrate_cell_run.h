@@ -45,7 +45,7 @@ std::filesystem::path calibration_folder(const AcquireOptions& acquire);
 /// best takes its place.
 /// @return {"status", "ok", "rounds": [...], "refused": [...], "calibration"}; status "good",
 ///         "no_pose_helps" (status_after_round(): pictures have hardly helped, and the next poses
-///         promise hardly anything), "most_rounds" (all were used), "no_pose_reached" (each pose
+///         promise hardly anything), "max_rounds" (all were used), "no_pose_reached" (each pose
 ///         that was asked for is refused), "no_picture" (all pictures of the last round were
 ///         rejected), "stopped"
 /// @throws ConfigError, IoError; what has been taken stays, and the same call goes on with it. Not

@@ -48,7 +48,7 @@ std::string status_after_round(int round,
     return "good";
   }
   if (round >= max_rounds) {
-    return "most_rounds";
+    return "max_rounds";
   }
   const double left = missed / before;
   const bool is_reached = left < 1.0 && missed * std::pow(left, max_rounds - round) <= 1.0;

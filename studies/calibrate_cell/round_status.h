@@ -47,7 +47,7 @@ double promise_of(bool was_for_hand_eye,
 /// @param before  the same after the round before it
 /// @param promised  tells what missed_by() the poses of the next round promise; asked only where
 ///                  pictures have hardly helped and a round is left
-/// @return "good", "most_rounds", "no_pose_helps" (better by less than a tenth, which would not do
+/// @return "good", "max_rounds", "no_pose_helps" (better by less than a tenth, which would not do
 ///         in all rounds that are left either, and the next poses promise hardly anything); empty:
 ///         another round is to follow
 std::string status_after_round(int round,

@@ -64,7 +64,7 @@ void expect_right_status(const json& told) {
   if (error_px(count - 1) <= 0.3) {
     status = "good";
   } else if (count == 4) {
-    status = "most_rounds";
+    status = "max_rounds";
   } else if (count > 1 && error_px(count - 1) > 0.9 * error_px(count - 2)) {
     status = "no_pose_helps";
   }

@@ -27,7 +27,7 @@ TEST(RoundStatus, EndsWhereRoundsHelpNoMoreOrAreUsedUp) {
   EXPECT_EQ(status_of(2, 1.5, 2.0, 4), "");
   EXPECT_EQ(status_of(6, 1.1, 1.15, 20), "") << "a few rounds more would do";
   EXPECT_EQ(status_of(6, 1.1, 1.15, 7), "no_pose_helps");
-  EXPECT_EQ(status_of(4, 1.5, 2.0, 4), "most_rounds");
+  EXPECT_EQ(status_of(4, 1.5, 2.0, 4), "max_rounds");
   EXPECT_EQ(status_of(4, 1.5, 2.0, 6), "");
 }
 
@@ -38,7 +38,7 @@ TEST(RoundStatus, GoesOnWhilePosesPromiseMore) {
   };
   EXPECT_EQ(status(2, 1.4), "");
   EXPECT_EQ(status(2, 1.49), "no_pose_helps");
-  EXPECT_EQ(status(8, 1.4), "most_rounds") << "poses would help";
+  EXPECT_EQ(status(8, 1.4), "max_rounds") << "poses would help";
 }
 
 TEST(RoundStatus, NothingIsPlannedAfterTheLastRound) {
@@ -46,7 +46,7 @@ TEST(RoundStatus, NothingIsPlannedAfterTheLastRound) {
     ADD_FAILURE() << "a round that never follows was planned";
     return 1.5;
   };
-  EXPECT_EQ(status_after_round(8, 1.5, 1.6, 8, plan), "most_rounds");
+  EXPECT_EQ(status_after_round(8, 1.5, 1.6, 8, plan), "max_rounds");
 }
 
 // Pictures for the hand-eye tell nothing of what others would make of the point error.

@@ -103,14 +103,14 @@ double score_of_squares(std::string_view score, const SquaresWithout& sample) {
   return 1.0 - std::sqrt(variance) / mean;
 }
 
-/// A figure of squares and its standard error.
-struct Figure {
+/// A statistic of squares and its standard error.
+struct Statistic {
   double value = 0.0;
   double error = 0.0;
 };
 
 template <class OfSquares>
-Figure figure_of(std::span<const SampledSquare> squares, const OfSquares& of_squares) {
+Statistic statistic_of(std::span<const SampledSquare> squares, const OfSquares& of_squares) {
   std::vector<double> without_one;
   for (std::size_t i = 0; i < squares.size(); ++i) {
     without_one.push_back(of_squares(SquaresWithout{squares, i}));
@@ -132,9 +132,9 @@ std::optional<SampledError> sampled_error(std::string_view score,
   if (!grey) {
     return std::nullopt;
   }
-  const Figure dearer = figure_of(
+  const Statistic dearer = statistic_of(
       squares, [&](const SquaresWithout& sample) { return score_of_dearer(score, *grey, sample); });
-  const Figure own = figure_of(
+  const Statistic own = statistic_of(
       squares, [&](const SquaresWithout& sample) { return score_of_squares(score, sample); });
   const double known = cheap.find(std::string(score))->second;
   const SampledError found = {.difference = dearer.value - known,

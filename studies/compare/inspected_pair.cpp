@@ -63,14 +63,14 @@ OutlineMotion motion_by_nearest(const OutlinePair& outlines, double reach_px) {
 
 /// Of the simulated edges, those that a motion takes onto a real one.
 double share_laid_over(const OutlinePair& outlines, const OutlineMotion& motion) {
-  constexpr double kFewest = 40.0;
+  constexpr double kMinPoints = 40.0;
   double points = 0.0;
   for (const Boundary& line : outlines.simulated.located) {
     points += static_cast<double>(line.points.size());
   }
   const auto laid = gaps_between(
       moved_outlines(outlines.simulated.located, motion), outlines.real.located, kBesidePx);
-  return points < kFewest ? 0.0 : static_cast<double>(laid.size()) / points;
+  return points < kMinPoints ? 0.0 : static_cast<double>(laid.size()) / points;
 }
 
 /// From the simulated part's place in the picture to the real one's; nothing where too few edges

@@ -145,7 +145,7 @@ SceneStore::SceneStore(ThreadPool& pool, std::size_t max_bytes)
              }) {}
 
 std::size_t SceneStore::kept_bytes() const {
-  const std::scoped_lock lock(bare_mutex_);
+  const std::scoped_lock lock(defect_free_mutex_);
   return (defect_free_ ? bytes_of(*defect_free_) : 0) + traced_.bytes() + pictures_.bytes() +
          walls_.bytes();
 }
@@ -219,7 +219,7 @@ std::shared_ptr<const CornerRays> SceneStore::defect_free_rays(const SceneSettin
   defect_free.imprint = {};
   defect_free.metrics = {};
   const std::string key = trace_key(defect_free);
-  const std::scoped_lock lock(bare_mutex_);
+  const std::scoped_lock lock(defect_free_mutex_);
   if (defect_free_key_ != key) {
     defect_free_key_ = key;
     defect_free_.reset();

@@ -147,7 +147,7 @@ class SceneStore {
   Cache<MadeFrom<BuiltDefects>, TracedScene> traced_;
   Cache<PictureKey, PathPicture> pictures_;
   Cache<WallKey, IntersectedWall> walls_;
-  mutable std::mutex bare_mutex_;
+  mutable std::mutex defect_free_mutex_;
   std::string defect_free_key_;                    ///< of the last camera that was traced
   std::shared_ptr<const CornerRays> defect_free_;  ///< its rays without defects
   bool is_defect_free_too_large_ = false;          ///< to be kept

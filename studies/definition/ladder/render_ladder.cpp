@@ -149,23 +149,23 @@ class RungList {
   static constexpr int kMinSamples = 8;
 
   /// So that a step of at most half of the most is there: it tells how far the most are off.
-  static int fewest_samples(int most) {
-    int fewest = kMinSamples;
-    while (fewest > 1 && 2 * fewest > most) {
-      fewest /= 2;
+  static int min_samples(int most) {
+    int samples = kMinSamples;
+    while (samples > 1 && 2 * samples > most) {
+      samples /= 2;
     }
-    return fewest;
+    return samples;
   }
 
   void add_paths() {
     const int most = kept_.samples ? scene_.paths.samples : top_.paths.samples;
-    const int fewest = kept_.samples ? std::min(kMinSamples, most) : fewest_samples(most);
+    const int least = kept_.samples ? std::min(kMinSamples, most) : min_samples(most);
     const int all = scene_.paths.max_reflections;
     const std::vector<int> reflections = steps_to(kept_.reflections ? all : 1, all);
     for (const int number : reflections) {
       SceneSettings scene = scene_;
       scene.paths.max_reflections = number;
-      for (const int samples : steps_to(fewest, most)) {
+      for (const int samples : steps_to(least, most)) {
         scene.paths.samples = samples;
         add(scene, number);
       }

@@ -12,7 +12,7 @@ const kVerdicts = {
 };
 
 const kUnits = { h_points: 'points of h', contrast_percent: '% of contrast', picture: 'of full scale', mean: 'of full scale, mean' };
-const kLeastRatio = 1e-4;
+const kMinRatio = 1e-4;
 
 /** How far the worst quantity is off, in bounds. */
 const ratio = (cell) => cell.error / cell.bound;
@@ -48,9 +48,9 @@ function sweepChart(sweep) {
     grid: { left: 58, right: 16, top: 26, bottom: 42 },
     tooltip: { trigger: 'item', confine: true, textStyle: { fontSize: 12, color: kInk }, formatter: (item) => cellWords(item.data.cell).map(encode).join('<br>') },
     xAxis: { type: 'category', data: sweep.cells.map((cell) => number(cell.value)), name: sweep.swept, nameLocation: 'middle', nameGap: 26, nameTruncate: { maxWidth: 220 }, ...axisStyle },
-    yAxis: { type: 'log', name: 'error / bound', min: kLeastRatio, ...axisStyle, nameTextStyle: { color: kInk, align: 'left' }, axisLabel: { color: '#55606a', formatter: (value) => number(value) } },
+    yAxis: { type: 'log', name: 'error / bound', min: kMinRatio, ...axisStyle, nameTextStyle: { color: kInk, align: 'left' }, axisLabel: { color: '#55606a', formatter: (value) => number(value) } },
     series: [{ type: 'line', color: kInk, symbolSize: 10, showAllSymbol: true, lineStyle: { width: 1, opacity: 0.4 },
-      data: points.map(({ cell, i }) => ({ value: [i, Math.max(kLeastRatio, ratio(cell))], cell, symbol: kVerdicts[cell.verdict].symbol, itemStyle: { color: kVerdicts[cell.verdict].ink } })),
+      data: points.map(({ cell, i }) => ({ value: [i, Math.max(kMinRatio, ratio(cell))], cell, symbol: kVerdicts[cell.verdict].symbol, itemStyle: { color: kVerdicts[cell.verdict].ink } })),
       markLine: { silent: true, symbol: 'none', label: { show: false }, lineStyle: { color: '#b8321a', type: 'dotted' }, data: [{ yAxis: 1 }] } }],
   });
   return h('div', {}, h('h3', {}, sweep.name), chart(230, `Error of ${sweep.name}`, points.length, option));

@@ -34,6 +34,9 @@ struct TunnelSettings {
   double end_falloff = 0.0;
   bool blocks_view = true;
   bool cosine_law = false;
+
+  /// A place of the wall lies in the slot where |y| is less; without a slot none does.
+  double half_slot_mm() const { return slot_mm > 0.0 ? 0.5 * slot_mm : -1e30; }
 };
 
 void visit_keys(KeyVisitor& keys, TunnelSettings& settings);

@@ -52,8 +52,7 @@ ScanPositions::ScanPositions(const Tunnel& tunnel, const ScanSettings& scan) {
   bright = 1.0 - dark;
   is_dark_even = tunnel.dark().is_even();
   darkest = tunnel.dark().lowest();
-  // Without a slot every y is beside it.
-  half_slot_mm = s.slot_mm > 0.0 ? 0.5 * s.slot_mm : -1e30;
+  half_slot_mm = s.half_slot_mm();
   half_length_mm = 0.5 * s.length_mm;
   is_even = s.led_ripple == 0.0 && s.end_falloff == 0.0;
   unevenness = {.ripple = pattern.led_ripple,

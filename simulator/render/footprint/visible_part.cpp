@@ -41,8 +41,7 @@ VisiblePart::VisiblePart(const OccludedEdge& pixel, const TunnelSettings& tunnel
   const LinearFunction x = linear_through(pixel.x_mm);
   const LinearFunction y = linear_through(pixel.y_mm);
   const double half_length_mm = 0.5 * tunnel.length_mm;
-  // Without a slot nothing is in it.
-  const double half_slot_mm = tunnel.slot_mm > 0.0 ? 0.5 * tunnel.slot_mm : -1e30;
+  const double half_slot_mm = tunnel.half_slot_mm();
   edges_ = {linear_through(pixel.margin_mm),
             plus(half_length_mm, x),
             plus(half_length_mm, minus(x)),

@@ -63,7 +63,7 @@ CornerSights::CornerSights(const VisibilityBuffer& seen,
       tunnel_(tunnel),
       camera_mm_(camera_in_world_mm),
       rays_(camera_of(seen).camera, camera_of(seen).camera_from_world),
-      half_slot_mm_(tunnel.settings().slot_mm > 0.0 ? 0.5 * tunnel.settings().slot_mm : -1e30),
+      half_slot_mm_(tunnel.settings().half_slot_mm()),
       half_length_mm_(0.5 * tunnel.settings().length_mm),
       is_between_panels_(tunnel.settings().shape == TunnelSettings::Shape::kFlat &&
                          tunnel.contains(camera_in_world_mm.y(), camera_in_world_mm.z())) {}

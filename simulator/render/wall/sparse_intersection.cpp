@@ -180,13 +180,12 @@ void SparseIntersection::allow_errors(std::size_t array, int row, const TileLimi
     return;
   }
   const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(row) * tiles_;
-  const double slot_mm = tunnel_.settings().slot_mm;
   kernels::allow_more({.y_low = limits.y_low_mm.data() + first,
                        .y_high = limits.y_high_mm.data() + first,
                        .margin_low = limits.margin_low_mm.data() + first,
                        .margin_high = limits.margin_high_mm.data() + first},
                       tiles_,
-                      slot_mm > 0.0 ? static_cast<float>(0.5 * slot_mm) : -1e30F,
+                      static_cast<float>(tunnel_.settings().half_slot_mm()),
                       kFarFromBoundaries,
                       allowed_.data());
   if (array == WallHits::kMargin) {

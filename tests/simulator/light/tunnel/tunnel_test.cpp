@@ -35,6 +35,12 @@ std::vector<TunnelSettings> one_of_each_shape() {
   return all;
 }
 
+TEST(TunnelSettings, NoPlaceLiesInASlotOfNoWidth) {
+  EXPECT_EQ(TunnelSettings{.slot_mm = 21.0}.half_slot_mm(), 10.5);
+  EXPECT_LT(TunnelSettings{.slot_mm = 0.0}.half_slot_mm(), -1e29);
+  EXPECT_EQ(static_cast<float>(TunnelSettings{.slot_mm = 0.0}.half_slot_mm()), -1e30F);
+}
+
 // Straight up from (y, z) = (60, 0) inside radius 100: z = sqrt(100^2 - 60^2) = 80.
 TEST(Tunnel, SemicylinderIsHitWhereTheCircleIs) {
   const Tunnel tunnel({.shape = Shape::kSemicylinder, .radius_mm = 100.0, .slot_mm = 0.0});

@@ -6,8 +6,8 @@
 //     dt = nu / (n . d)   along the ray (implicit differentiation of F(o + t d; key) = 0),
 //
 // and a ray that changes by (do, dd) adds do + t dd, less its part through the wall. The derivative
-// of a number by all keys is taken backwards: its derivatives by the hits are collected once, at
-// the places of the wall; each key then costs a sum over these places.
+// of a number by all keys is taken in reverse mode: its derivatives by the hits are collected once,
+// at the places of the wall; each key then costs a sum over these places.
 #pragma once
 
 #include <optional>

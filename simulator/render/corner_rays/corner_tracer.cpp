@@ -252,7 +252,7 @@ void CornerTracer::classify(int x, int y, std::vector<Candidate>& open) {
   const std::size_t i = static_cast<std::size_t>(y) * columns + static_cast<std::size_t>(x);
   const auto is_missed = [&](std::size_t k) { return corners_.path[k] == RayPath::kMissed; };
   if (is_missed(i) && is_missed(i + 1) && is_missed(i + columns) && is_missed(i + columns + 1)) {
-    if (need_.has_vertex(x, y)) {  // a corner of the part pokes into the pixel
+    if (need_.has_vertex(x, y)) {  // a corner of the part breaks through
       open.push_back({.x = x, .cells = std::min(kCellsOfBroken, max_cells(x, y))});
     }
     return;

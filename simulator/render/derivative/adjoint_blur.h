@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The sensor's blur backwards: from derivatives by blurred pixels to derivatives by radiances.
+// The adjoint of the sensor's blur: from derivatives by blurred pixels to those by radiances.
 #pragma once
 
 #include <vector>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The counterpart of simulator/render/footprint/cell_sum.h: what the cells of a pixel change,
-// backwards.
+// in reverse mode.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Pixels of rendered frames that are summed from cells, backwards: from derivatives by their
+// Pixels of rendered frames that are summed from cells, in reverse mode: from derivatives by their
 // radiance in each frame to those by hits, stripes, the light of dark stripes and the edges of what
 // the wall hides. docs/theory/derivatives.md
 #pragma once

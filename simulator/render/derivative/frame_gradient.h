@@ -9,8 +9,8 @@
 
 namespace glint {
 
-/// Adds the derivatives of the pixels whose mean is that of rendered frames: backwards through
-/// clipping, blur and footprints, frame by frame.
+/// Adds the derivatives of the pixels whose mean is that of rendered frames: in reverse mode
+/// through clipping, blur and footprints, frame by frame.
 /// @param wanted  these pixels
 /// @param wants   sums that cost extra
 /// @param cells   of the frames around them, if known

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Plain pixels of rendered frames, backwards: from derivatives by their radiance in each frame to
-// those by hits, stripes and dark radiance.
+// Plain pixels of rendered frames in reverse mode: from derivatives by their radiance in each frame
+// to those by hits, stripes and dark radiance.
 #pragma once
 
 #include <vector>

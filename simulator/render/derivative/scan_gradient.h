@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The derivative of a number that depends on the aspect image, taken backwards through the scan:
+// The derivative of a number that depends on the aspect image, in reverse mode through the scan:
 // from the derivatives by the aspect image to those by the hits of rays and by the settings of
 // stripes and sensor. What the shape of the wall or the camera's pose do to the hits is added
-// forwards (simulator/light/tunnel/shape_derivative.h), so any number of keys costs one pass
+// in forward mode (simulator/light/tunnel/shape_derivative.h), so any number of keys costs one pass
 // (docs/theory/derivatives.md).
 //
 // Exact for smooth cells, with the light's boundaries and the edges of what the wall hides moving

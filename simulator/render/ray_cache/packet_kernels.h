@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "simulator/geometry/bvh/ray_packet.h"
-#include "simulator/render/ray_cache/meeting_kernels.h"
+#include "simulator/render/ray_cache/intersection_kernels.h"
 
 namespace glint {
 

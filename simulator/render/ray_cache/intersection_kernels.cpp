@@ -5,7 +5,7 @@
 // direction d - 2 (d . n) n. Embree's float hit only says which triangle; points are exact to
 // rounding, and lanes without a ray are computed and not looked at. About forty operations a ray,
 // all in wide instructions; docs/theory/tunnel.md, "What is kept".
-#include "simulator/render/ray_cache/meeting_kernels.h"
+#include "simulator/render/ray_cache/intersection_kernels.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "simulator/render/ray_cache/meeting_kernels.h"
+#include "simulator/render/ray_cache/intersection_kernels.h"
 
 #include <algorithm>
 #include <array>

@@ -336,7 +336,7 @@ TEST(FrontierStudy, WritesItsFilesAndLeavesARunsFilesAlone) {
   EXPECT_TRUE(first["defects"]["dent_1"].contains("weber_error_percent"));
   EXPECT_TRUE(first["defects"]["dent_1"].contains("change_error_percent"));
   EXPECT_THAT(read_file(folder / "frontier.html"), HasSubstr("\"frontier\":{\"schema\":1"));
-  EXPECT_THAT(read_file(folder / "frontier.html"), HasSubstr("It is no choice of [accuracy]"));
+  EXPECT_THAT(read_file(folder / "frontier.html"), HasSubstr("It is no rung of [accuracy]"));
 }
 
 }  // namespace

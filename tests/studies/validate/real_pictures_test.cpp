@@ -83,7 +83,7 @@ TEST(RealPictures, LeavesOutAScanThatWasCutShort) {
   const RealDesign design = read_real_design("ring", folder.path());
   ASSERT_EQ(design.views.size(), 1U);
   EXPECT_EQ(design.views[0].name, "b");
-  EXPECT_THAT(design.notes, testing::Contains(HasSubstr("ring: a is not whole")));
+  EXPECT_THAT(design.notes, testing::Contains(HasSubstr("ring: a is incomplete")));
   json["status"] = "stopped";
   write_file(folder.path() / "acquired.json", json.dump());
   EXPECT_THAT(error_of(folder.path()), HasSubstr("has no view whose scan is whole"));

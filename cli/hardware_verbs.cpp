@@ -185,7 +185,7 @@ void add_calibrate_verb(CLI::App& app, CommandLine& line) {
   CLI::App* calibrate = add_verb(
       app,
       "calibrate",
-      "calibrate a real camera from pictures of a board, and its place on a robot from poses",
+      "calibrate a camera from pictures of a board, and its place on a robot from poses",
       "glint calibrate board/*.png --board board.toml --out out/camera\n"
       "  glint calibrate board/*.png --board board.toml --poses poses.csv --setup eye_in_hand\n"
       "  glint calibrate --print_board board.toml --out out/board\n"

@@ -195,7 +195,7 @@ Json facts_table(const Json& accuracy) {
 Json unmodelled_table(const Json& accuracy) {
   Json rows = Json::array();
   for (const Json& note : accuracy["not_modelled"]) {
-    rows.push_back(Json::array({note}));  // {note} alone is a copy of it by Clang
+    rows.push_back(Json::array({note}));  // Clang takes {note} for a copy of it
   }
   return {{"caption", "What no way to render models, with rough estimates:"},
           {"head", {"left out"}},

@@ -12,7 +12,7 @@
 #include "hardware/poses/pose_pairing.h"
 #include "hardware/poses/pose_reading.h"
 #include "studies/calibrate/corner_file.h"
-#include "studies/calibrate/set_settings.h"
+#include "studies/calibrate/settings_from_sets.h"
 #include "studies/report/report.h"
 
 namespace glint {
@@ -101,7 +101,7 @@ void visit_keys(KeyVisitor& keys, CameraPrior& prior) {
 
 void read_known_camera(const CalibrateOptions& options, CalibrateInput& input) {
   input.camera = read_camera_file(options.camera);
-  const auto prior = set_settings<CameraPrior>(options.sets, kPriorTable);
+  const auto prior = settings_from_sets<CameraPrior>(options.sets, kPriorTable);
   LensVector sigma;
   sigma << prior.focal_px, prior.focal_px, prior.center_px, prior.center_px,
       Eigen::Vector3d::Constant(prior.radial), Eigen::Vector2d::Constant(prior.tangential);
@@ -160,7 +160,7 @@ void read_robot(const CalibrateOptions& options, CalibrateInput& input) {
   if (!options.method.empty()) {
     input.method = method_of(options.method);
   }
-  input.poses = read_poses(options.poses, set_settings<PoseConvention>(options.sets, kTable));
+  input.poses = read_poses(options.poses, settings_from_sets<PoseConvention>(options.sets, kTable));
   input.notes = input.poses->told;
   std::vector<std::string> pose_names;
   for (const RobotPose& pose : input.poses->poses) {
@@ -369,7 +369,8 @@ CalibrateInput read_calibrate_input(const CalibrateOptions& options, ThreadPool&
   }
   input.board = board_of(options);
   input.given_board = input.board;
-  input.five_fold_splits = set_settings<PredictionSettings>(options.sets, kPredictionTable).splits;
+  input.five_fold_splits =
+      settings_from_sets<PredictionSettings>(options.sets, kPredictionTable).splits;
   if (!options.camera.empty()) {
     read_known_camera(options, input);
   }

@@ -19,7 +19,7 @@
 #include "studies/calibrate/calibrate_files.h"
 #include "studies/calibrate/place_file.h"
 #include "studies/calibrate/place_pictures.h"
-#include "studies/calibrate/set_settings.h"
+#include "studies/calibrate/settings_from_sets.h"
 #include "studies/output/result_folder.h"
 #include "studies/output/result_writer.h"
 
@@ -269,7 +269,7 @@ Json place_part(const std::vector<PlaceInput>& inputs, const CalibrateOptions& o
           ? default_result_folder(inputs.front().file.stem().string(), ResultKind::kPlace)
           : options.out;
   check_files(inputs, options, out);
-  const auto settings = set_settings<PlaceSettings>(options.sets, "place");
+  const auto settings = settings_from_sets<PlaceSettings>(options.sets, "place");
   CalibrateOptions reading = options;
   reading.sets = sets_of_poses(options.sets);
   std::vector<Placement> placements;

@@ -21,7 +21,7 @@
 #include "hardware/poses/camera_file.h"
 #include "hardware/upkeep/pose_plan.h"
 #include "studies/calibrate/known_calibration.h"
-#include "studies/calibrate/set_settings.h"
+#include "studies/calibrate/settings_from_sets.h"
 #include "studies/output/result_folder.h"
 #include "studies/output/result_writer.h"
 
@@ -42,7 +42,7 @@ PlanSettings plan_settings(const std::vector<KeyValue>& sets) {
           fmt::format("--set: {}: must begin with \"plan.\", like plan.seed=2", set.path));
     }
   }
-  return set_settings<PlanSettings>(sets, "plan");
+  return settings_from_sets<PlanSettings>(sets, "plan");
 }
 
 /// What is planned for.

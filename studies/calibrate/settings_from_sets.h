@@ -21,7 +21,7 @@ inline bool is_of_table(const KeyValue& set, const std::string& table) {
 /// over.
 /// @throws ConfigError with all problems
 template <class Settings>
-Settings set_settings(const std::vector<KeyValue>& sets, const std::string& table) {
+Settings settings_from_sets(const std::vector<KeyValue>& sets, const std::string& table) {
   ConfigNode root = ConfigNode::table();
   for (const KeyValue& set : sets) {
     if (is_of_table(set, table)) {

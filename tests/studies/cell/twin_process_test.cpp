@@ -36,6 +36,7 @@ ServingTwins slow_twins() {
 }
 
 TEST(ServeTwins, EndsWithoutWaitingForAPicture) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // other tests have left threads behind
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EXIT(serve_twins(slow_twins, {}, [](const auto&) {}), testing::ExitedWithCode(0), "");
   EXPECT_LT(seconds_since(begin), 20.0);

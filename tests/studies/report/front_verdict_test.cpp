@@ -87,7 +87,7 @@ TEST(FrontVerdict, TellsWhatTheFrontSpans) {
   Json data = trade();
   data["front"]["designs"][2]["rescored"][kEven] = 0.85;
   EXPECT_THAT(finding(data, "front_range"), HasSubstr("70.0 % to 85.0 %"));
-  data["front"]["designs"] = {member(2, 0.8, 200)};
+  data["front"]["designs"] = Json::array({member(2, 0.8, 200)});
   EXPECT_EQ(finding(data, "front_range"), "");
 }
 

@@ -46,7 +46,7 @@ TEST(Verdict, TellsHowProbablyLimitsAreKeptUnderNoise) {
 /// What is said of a design whose score has that value, beside its limits.
 std::string said_of_limit(const char* score, double value, const Json& limits) {
   Json data = prototypes();
-  data["constraints"] = {limits};
+  data["constraints"] = Json::array({limits});
   data["constraints"][0]["name"] = score;
   for (Json& design : data["designs"]) {
     design["feasible"] = false;

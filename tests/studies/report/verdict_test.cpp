@@ -139,7 +139,8 @@ std::vector<Case> other_cases() {
   const auto close = [](Json& d) { set_cnr(d["designs"][1], 5.5); };
   const auto as = [](const Json& other) { return [other](Json& data) { data = other; }; };
   const Json ranked = prototypes();
-  const Json one = changed(ranked, [](Json& d) { d["designs"] = {design_with("only", 5.0)}; });
+  const Json one =
+      changed(ranked, [](Json& d) { d["designs"] = Json::array({design_with("only", 5.0)}); });
   const auto scattered = [](Json& d) {
     repeat(d["designs"][1], {9.0, 5.0, 8.0, 6.5});
     repeat(d["designs"][2], {6.0, 8.0, 6.5, 7.9});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/photon_transfer/level_statistics.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <vector>
@@ -18,15 +19,21 @@ double mean_of(const ImageF& picture) {
   return sum / static_cast<double>(picture.size());
 }
 
-double clipped_share(std::span<const ImageF> pictures, double full_scale_dn) {
+/// Shares of the pixels at code 0 and at full scale.
+void take_shares_cut_off(std::span<const ImageF> pictures,
+                         double full_scale_dn,
+                         LevelStatistics& level) {
+  std::size_t zero = 0;
   std::size_t clipped = 0;
   for (const ImageF& picture : pictures) {
     for (const float value : picture.values()) {
+      zero += value <= 0.0F ? 1 : 0;
       clipped += static_cast<double>(value) >= full_scale_dn ? 1 : 0;
     }
   }
-  return static_cast<double>(clipped) /
-         static_cast<double>(pictures.size() * pictures.front().size());
+  const auto all = static_cast<double>(pictures.size() * pictures.front().size());
+  level.zero_share = static_cast<double>(zero) / all;
+  level.clipped_share = static_cast<double>(clipped) / all;
 }
 
 }  // namespace
@@ -67,9 +74,9 @@ LevelStatistics level_statistics(std::span<const ImageF> pictures, double full_s
   LevelStatistics level{.pictures = static_cast<int>(pictures.size()), .mean_dn = total};
   level.temporal_variance_dn2 = between / (count - 1.0) / pixels;
   level.spatial_variance_dn2 = across / (pixels - 1.0) - level.temporal_variance_dn2 / count;
-  level.clipped_share = clipped_share(pictures, full_scale_dn);
-  level.variance_error_dn2 =
-      level.temporal_variance_dn2 * std::sqrt(2.0 / (pixels * (count - 1.0)));
+  take_shares_cut_off(pictures, full_scale_dn, level);
+  level.variance_error_dn2 = std::max(level.temporal_variance_dn2, kRoundingVariance) *
+                             std::sqrt(2.0 / (pixels * (count - 1.0)));
   return level;
 }
 

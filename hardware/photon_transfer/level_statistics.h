@@ -9,6 +9,9 @@
 
 namespace glint {
 
+/// Variance that rounding to whole codes adds to noise, DN^2.
+inline constexpr double kRoundingVariance = 1.0 / 12.0;
+
 /// One level of light, in codes (digital numbers, DN).
 struct LevelStatistics {
   bool is_dark = false;
@@ -20,7 +23,8 @@ struct LevelStatistics {
   /// Of the mean picture over the pixels, without what noise leaves in it; may be a little below 0.
   double spatial_variance_dn2 = 0.0;
   double clipped_share = 0.0;  ///< of the pixels at full scale
-  /// Standard error of the temporal variance.
+  double zero_share = 0.0;     ///< of the pixels at code 0
+  /// Standard error of the temporal variance, no less than of one that is rounding alone.
   double variance_error_dn2 = 0.0;
 };
 

@@ -13,8 +13,11 @@ namespace glint {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kRounding = 1.0 / 12.0;  ///< variance, DN^2
-constexpr double kFittedShare = 0.7;      ///< of saturation, EMVA 1288
+constexpr double kFittedShare = 0.7;  ///< of saturation, EMVA 1288
+/// DN^2; rounding hides a smaller variance in the dark, which EMVA 1288 then takes to be this one.
+constexpr double kMinDarkVariance = 0.24;
+/// Of the dark pictures' pixels; with more of them at code 0 their noise is cut off, EMVA 1288.
+constexpr double kMaxZeroShare = 0.005;
 
 /// Points of a line, with weights and the standard deviation of each y.
 struct Points {
@@ -81,7 +84,7 @@ Points fitted_points(std::span<const LevelStatistics> levels, const PhotonTransf
   Points points;
   for (std::size_t i = 0; i < levels.size(); ++i) {
     if (result.is_fitted[i]) {
-      const double variance = std::max(levels[i].temporal_variance_dn2, kRounding);
+      const double variance = std::max(levels[i].temporal_variance_dn2, kRoundingVariance);
       points.add(levels[i].mean_dn,
                  levels[i].temporal_variance_dn2,
                  1.0 / variance,
@@ -89,6 +92,12 @@ Points fitted_points(std::span<const LevelStatistics> levels, const PhotonTransf
     }
   }
   return points;
+}
+
+/// Whether a dark level lies on the line: rounding and code 0 take noise away from one without a
+/// black level.
+bool shows_dark_noise(const LevelStatistics& level) {
+  return level.temporal_variance_dn2 >= kMinDarkVariance && level.zero_share < kMaxZeroShare;
 }
 
 /// Levels weigh by the inverse of their variance. Its statistical error, which is in proportion to
@@ -99,7 +108,8 @@ void fit_gain(std::span<const LevelStatistics> levels, PhotonTransfer& result) {
       result.dark_mean_dn + kFittedShare * (result.saturation_dn - result.dark_mean_dn);
   int bright = 0;
   for (const LevelStatistics& level : levels) {
-    const bool is_fitted = level.is_dark || (level.mean_dn <= limit && level.clipped_share < 1e-4);
+    const bool is_fitted = level.is_dark ? shows_dark_noise(level)
+                                         : level.mean_dn <= limit && level.clipped_share < 1e-4;
     result.is_fitted.push_back(is_fitted);
     bright += is_fitted && !level.is_dark ? 1 : 0;
   }
@@ -118,15 +128,26 @@ void fit_gain(std::span<const LevelStatistics> levels, PhotonTransfer& result) {
   }
 }
 
-void take_electrons(PhotonTransfer& result) {
-  const double gain = result.fit.slope;
-  result.full_scale_e = result.full_scale_dn / gain;
-  result.saturation_e = (result.saturation_dn - result.dark_mean_dn) / gain;
-  result.dark_e = std::max(0.0, result.dark_mean_dn) / gain;
-  result.dark_noise_e = std::sqrt(std::max(0.0, result.dark_variance_dn2 - kRounding)) / gain;
-  const double read = result.dark_variance_dn2 - kRounding - gain * result.dark_mean_dn;
-  result.read_noise_e = std::sqrt(std::max(0.0, read)) / gain;
-  if (read < 0.0) {
+/// What dark pictures show of the noise in the dark.
+enum class DarkNoise { kWhole, kBelowRounding, kCutOff };
+
+DarkNoise dark_noise_seen(std::span<const LevelStatistics> levels, double variance_dn2) {
+  const double zero_share = mean_over(levels, true, &LevelStatistics::zero_share);
+  // Below that, nearly all codes are alike: rounding and not the cut limits what is seen.
+  if (zero_share >= kMaxZeroShare && variance_dn2 > kRoundingVariance) {
+    return DarkNoise::kCutOff;
+  }
+  return variance_dn2 < kMinDarkVariance ? DarkNoise::kBelowRounding : DarkNoise::kWhole;
+}
+
+/// @param read_dn2  what is left of the dark variance for the read noise
+void warn_of_dark(DarkNoise seen, double read_dn2, PhotonTransfer& result) {
+  constexpr double kHalfStep = 0.5;
+  if (seen == DarkNoise::kCutOff) {
+    result.warnings.emplace_back(
+        "the dark pictures' noise is cut off at code 0: read_noise_e and dark_noise_e come out too "
+        "small; raise the camera's black level");
+  } else if (read_dn2 < 0.0 && result.dark_mean_dn > kHalfStep) {
     result.warnings.push_back(
         fmt::format("the dark pictures' mean of {:.4g} DN is more than their noise allows for "
                     "electrons: the camera "
@@ -134,13 +155,28 @@ void take_electrons(PhotonTransfer& result) {
                     "out too large",
                     result.dark_mean_dn));
   }
-  if (result.dark_variance_dn2 < 0.24) {
-    result.warnings.emplace_back(
-        "the dark noise is below half a step of rounding: read_noise_e is only an upper bound");
+  if (seen == DarkNoise::kBelowRounding) {
+    result.warnings.push_back(
+        fmt::format("the dark noise is below half a step of rounding: {} only an upper bound",
+                    read_dn2 > 0.0 ? "read_noise_e is" : "dark_noise_e is"));
   }
+}
+
+void take_electrons(std::span<const LevelStatistics> levels, PhotonTransfer& result) {
+  const double gain = result.fit.slope;
+  result.full_scale_e = result.full_scale_dn / gain;
+  result.saturation_e = (result.saturation_dn - result.dark_mean_dn) / gain;
+  result.dark_e = std::max(0.0, result.dark_mean_dn) / gain;
+  const DarkNoise seen = dark_noise_seen(levels, result.dark_variance_dn2);
+  const double variance =
+      seen == DarkNoise::kBelowRounding ? kMinDarkVariance : result.dark_variance_dn2;
+  result.dark_noise_e = std::sqrt(std::max(0.0, variance - kRoundingVariance)) / gain;
+  const double read = variance - kRoundingVariance - gain * result.dark_mean_dn;
+  result.read_noise_e = std::sqrt(std::max(0.0, read)) / gain;
+  warn_of_dark(seen, read, result);
   result.largest_snr = std::sqrt(result.saturation_e);
   // The signal that equals its noise (EMVA 1288, absolute sensitivity threshold in electrons).
-  const double least = std::sqrt(result.dark_variance_dn2) / gain + 0.5;
+  const double least = std::sqrt(variance) / gain + 0.5;
   result.dynamic_range = result.saturation_e / least;
 }
 
@@ -278,7 +314,7 @@ PhotonTransfer photon_transfer(std::span<const LevelStatistics> levels, double f
   fit_dark(levels, result);
   find_saturation(levels, result);
   fit_gain(levels, result);
-  take_electrons(result);
+  take_electrons(levels, result);
   result.rate_dn = mean_rate(levels, result);
   fit_response(levels, result);
   take_nonuniformity(levels, result);

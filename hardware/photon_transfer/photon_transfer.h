@@ -5,7 +5,8 @@
 //   variance = K mean + K^2 read_noise^2 - K offset + 1/12      all in DN and electrons
 //
 // A weighted affine fit of variance against mean: the slope is K. Dark levels lie on the same line,
-// since electrons of dark current have shot noise as all others.
+// since electrons of dark current have shot noise as all others; but not where rounding or code 0
+// cut their noise off, as without a black level.
 // Source: EMVA Standard 1288, release 4.0 Linear; docs/theory/sensor_calibration.md.
 #pragma once
 
@@ -46,10 +47,12 @@ struct PhotonTransfer {
   double full_scale_e = 0.0;       ///< electrons at the largest code
   double saturation_e = 0.0;       ///< electrons of light at saturation
   double dark_e = 0.0;             ///< electrons that make the dark mean
-  double read_noise_e = 0.0;       ///< so that the dark variance comes out with dark_e
-  double dark_noise_e = 0.0;       ///< square root of the dark variance without rounding
-  LineFit response;      ///< mean without dark mean against exposure, 5 to 95 % of saturation
-  double rate_dn = 0.0;  ///< mean of light over exposure, 5 to 70 % of saturation
+  /// So that the dark variance comes out with dark_e. Of one below 0.24 DN^2 an upper bound: as of
+  /// 0.24 DN^2, EMVA 1288.
+  double read_noise_e = 0.0;
+  double dark_noise_e = 0.0;  ///< square root of the dark variance without rounding; likewise
+  LineFit response;           ///< mean without dark mean against exposure, 5 to 95 % of saturation
+  double rate_dn = 0.0;       ///< mean of light over exposure, 5 to 70 % of saturation
   double linearity_error = 0.0;     ///< mean deviation from it, share of the value
   double responsivity_dn = 0.0;     ///< DN per photon; 0: photons not known
   double quantum_efficiency = 0.0;  ///< 0: photons not known
@@ -61,7 +64,8 @@ struct PhotonTransfer {
   std::vector<std::string> warnings;
 };
 
-/// Levels above 70 % of saturation do not count.
+/// Levels above 70 % of saturation do not count, nor dark ones with a variance below 0.24 DN^2 or
+/// more than 0.5 % of the pixels at code 0.
 /// @param levels  in any order
 /// @throws ConfigError: no dark level, fewer than 3 bright levels below 70 % of saturation, noise
 /// that

@@ -24,6 +24,16 @@ TEST(LevelStatistics, FollowsTheArithmeticOfTwoSmallPictures) {
   EXPECT_DOUBLE_EQ(level.temporal_variance_dn2, 0.5);
   EXPECT_DOUBLE_EQ(level.spatial_variance_dn2, 4.25);
   EXPECT_DOUBLE_EQ(level.clipped_share, 0.25);
+  EXPECT_DOUBLE_EQ(level.zero_share, 0.0);
+}
+
+// All codes alike: the error is that of rounding alone, 1/12 sqrt(2 / 2 pixels).
+TEST(LevelStatistics, KnowsNoVarianceBetterThanRoundingAllows) {
+  const ImageF dark(2, 1);
+  const LevelStatistics level = level_statistics(std::array{dark, dark}, 15.0);
+  EXPECT_DOUBLE_EQ(level.temporal_variance_dn2, 0.0);
+  EXPECT_DOUBLE_EQ(level.variance_error_dn2, 1.0 / 12.0);
+  EXPECT_DOUBLE_EQ(level.zero_share, 1.0);
 }
 
 TEST(LevelStatistics, ALampThatFlickersIsNoNoise) {

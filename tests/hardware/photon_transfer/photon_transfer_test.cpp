@@ -92,6 +92,46 @@ TEST(PhotonTransfer, WarnsWhereTheSimulatedSensorCannotFollow) {
   EXPECT_NE(found.warnings[0].find("black level"), std::string::npos);
 }
 
+/// 8 bits without a black level: 5 electrons of noise are 0.1 DN, so all codes in the dark are 0.
+TEST(PhotonTransfer, DoesNotFitADarkLevelBelowRounding) {
+  const Model model{.gain = 0.02, .read_e = 5.0, .dark_e = 0.0, .full_dn = 255.0};
+  std::vector<LevelStatistics> levels;
+  for (const LevelStatistics& level : model.series(14.0)) {
+    if (!level.is_dark) {
+      levels.push_back(level);
+    }
+  }
+  levels.push_back({.is_dark = true, .exposure = 1.0, .pictures = 2, .zero_share = 1.0});
+  const PhotonTransfer found = photon_transfer(levels, model.full_dn);
+  EXPECT_FALSE(found.is_fitted.back());
+  EXPECT_NEAR(found.fit.slope, 0.02, 1e-9);
+  EXPECT_LT(found.fit.slope_sigma, 0.05 * 0.02);
+  // sqrt(0.24 - 1/12) / 0.02 = 19.79 electrons: the true 5 are within the bound.
+  EXPECT_NEAR(found.read_noise_e, 19.79, 0.01);
+  EXPECT_NEAR(found.dark_noise_e, 19.79, 0.01);
+  ASSERT_EQ(found.warnings.size(), 1U);
+  EXPECT_NE(found.warnings[0].find("read_noise_e is only an upper bound"), std::string::npos);
+}
+
+/// Half of a noise of 2 DN about 0 is cut off: its mean is 0.4 sigma, its variance 0.34 of the
+/// whole.
+TEST(PhotonTransfer, TellsOfNoiseThatIsCutOffAtZero) {
+  const Model model{.dark_e = 0.0};
+  std::vector<LevelStatistics> levels = model.series(20.0);
+  for (LevelStatistics& level : levels) {
+    if (level.is_dark) {
+      level.mean_dn = 0.8;
+      level.temporal_variance_dn2 = 1.39;
+      level.zero_share = 0.6;
+    }
+  }
+  const PhotonTransfer found = photon_transfer(levels, model.full_dn);
+  EXPECT_NEAR(found.fit.slope, 0.25, 1e-9);
+  EXPECT_NEAR(found.fit.offset, 4.08333, 1e-5);
+  ASSERT_EQ(found.warnings.size(), 1U);
+  EXPECT_NE(found.warnings[0].find("cut off at code 0"), std::string::npos);
+}
+
 TEST(PhotonTransfer, RefusesWhatSaysNothingOfNoise) {
   const Model model;
   std::vector<LevelStatistics> bright;

@@ -13,6 +13,7 @@
 #include "core/units.h"
 #include "hardware/calibration/rotation.h"
 #include "studies/calibrate/corner_residuals.h"
+#include "studies/calibrate/known_calibration.h"
 #include "studies/definition/cell_settings.h"
 
 namespace glint {
@@ -253,6 +254,7 @@ void put_joint(const CalibrateInput& input, const SolvedCalibration& solved, Jso
   const HandEyeCalibration& joint = *solved.joint;
   json["setup"] = is_in_hand(joint) ? "eye_in_hand" : "eye_to_hand";
   json["hand_eye"] = hand_eye_json(input, solved);
+  json["convention"] = convention_json(*input.convention);
   json["noise"] = {{"corner_px", joint.noise.corner_px},
                    {"pattern_px", joint.noise.whole_pattern_px()},
                    {"robot_deg", joint.noise.robot_rad * kDegPerRad},

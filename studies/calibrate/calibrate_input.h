@@ -31,10 +31,12 @@ struct CalibrateOptions {
   std::optional<Board> known_board;  ///< where there is no file of it
   Board known_given;                 ///< known_board as its file has it: see KnownCalibration
   std::vector<std::filesystem::path> poses;  ///< empty: the camera alone
-  std::filesystem::path camera;              ///< known intrinsics; empty: all are estimated
-  std::filesystem::path out;                 ///< empty: out/<the pictures' folder>/calibrate
-  std::string setup;   ///< "eye_in_hand", "eye_to_hand"; empty: as the board's file says
-  std::string method;  ///< of OpenCV's, name_of(HandEyeMethod); empty: our own
+  /// How the poses were read before they became those of poses.toml of a folder in `from`.
+  std::optional<PoseConvention> first_convention;
+  std::filesystem::path camera;  ///< known intrinsics; empty: all are estimated
+  std::filesystem::path out;     ///< empty: out/<the pictures' folder>/calibrate
+  std::string setup;             ///< "eye_in_hand", "eye_to_hand"; empty: as the board's file says
+  std::string method;            ///< of OpenCV's, name_of(HandEyeMethod); empty: our own
   /// convention.key, poses.pair_by, prior.key, over what files say; prediction.splits
   std::vector<KeyValue> sets;
   int threads = 1;
@@ -49,6 +51,8 @@ struct CalibrateInput {
   std::optional<CameraFile> camera;
   std::optional<LensVector> camera_sigma;  ///< the camera is only known to these; none: exactly
   std::optional<RobotPoses> poses;
+  /// How they were read from what the robot wrote: see CalibrateOptions::first_convention.
+  std::optional<PoseConvention> convention;
   std::vector<std::size_t> pose_of;  ///< of each picture; empty without poses
   int width_px = 0;
   int height_px = 0;

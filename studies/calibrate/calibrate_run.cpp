@@ -17,6 +17,8 @@
 #include "studies/calibrate/calibrate_page.h"
 #include "studies/calibrate/corner_file.h"
 #include "studies/calibrate/corner_residuals.h"
+#include "studies/calibrate/known_calibration.h"
+#include "studies/calibrate/settings_from_sets.h"
 #include "studies/calibrate/solved_calibration.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
@@ -100,6 +102,23 @@ void take_prior(const Json& prior, CalibrateOptions& options) {
   options.sets.insert(options.sets.begin(), sets.begin(), sets.end());
 }
 
+/// The poses of a folder for --from are of the flange and say so: read otherwise they would be
+/// inverted, or a tool taken off them, a second time.
+void take_poses(const fs::path& folder, const Json& known, CalibrateOptions& options) {
+  for (const KeyValue& set : options.sets) {
+    if (is_of_table(set, "convention")) {
+      throw ConfigError(fmt::format(
+          "--set: {}: --from {} has poses of the flange already, read when it was calibrated; give "
+          "the robot's poses with --poses to read them otherwise",
+          set.path,
+          folder.string()));
+    }
+  }
+  options.poses = {source_of(folder, "poses.toml", "--poses")};
+  options.sets.insert(options.sets.begin(), {.path = "poses.pair_by", .value = "order"});
+  options.first_convention = convention_in(known);
+}
+
 /// Of a folder for --from: its corners, and what of board, poses and camera is not given. Files of
 /// an earlier calibration that lie there, too, are not its own.
 void take_sources(CalibrateOptions& options) {
@@ -111,8 +130,7 @@ void take_sources(CalibrateOptions& options) {
   }
   try {
     if (options.poses.empty() && known.at("hand_eye").is_object()) {
-      options.poses = {source_of(folder, "poses.toml", "--poses")};
-      options.sets.insert(options.sets.begin(), {.path = "poses.pair_by", .value = "order"});
+      take_poses(folder, known, options);
     }
     const Json& prior = known.at("intrinsics").at("prior");
     if (options.camera.empty() && prior.is_object()) {

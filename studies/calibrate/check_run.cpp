@@ -49,11 +49,22 @@ class Check {
           "the calibration does not know how well the robot's poses predict pictures "
           "(prediction_rms_px is null): without --poses its lens can be judged");
     }
+    if (const std::string sets = sets_of_calibration();
+        !sets.empty() && json["status"] != "valid") {
+      json["notes"].push_back("the calibration's poses were read otherwise: with" + sets);
+    }
     return json;
   }
 
  private:
   bool is_by_poses() const { return input_.poses.has_value(); }
+
+  /// What the calibration's poses were read with and these are not.
+  std::string sets_of_calibration() const {
+    return is_by_poses() && known_.convention
+               ? sets_between(input_.poses->convention, *known_.convention)
+               : std::string();
+  }
 
   /// Empty where no board was found, or where it cannot be computed.
   std::optional<PictureResiduals> residuals(std::size_t picture,

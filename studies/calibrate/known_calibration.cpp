@@ -2,14 +2,19 @@
 #include "studies/calibrate/known_calibration.h"
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "core/config/key_writer.h"
+#include "core/config/toml.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/units.h"
 #include "hardware/calibration/rotation.h"
+#include "studies/calibrate/settings_from_sets.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -81,6 +86,15 @@ Eigen::MatrixXd covariance_of(const Json& json) {
   return covariance;
 }
 
+constexpr const char* kConvention = "convention";
+
+ConfigNode convention_node(PoseConvention convention) {
+  ConfigNode node = ConfigNode::table();
+  KeyWriter writer(node);
+  visit_keys(writer, convention);
+  return node;
+}
+
 KnownCalibration calibration_of(const Json& json, const fs::path& file) {
   KnownCalibration known{.file = file,
                          .intrinsics = intrinsics_of(json.at("intrinsics")),
@@ -94,6 +108,7 @@ KnownCalibration calibration_of(const Json& json, const fs::path& file) {
     known.prediction_rms_px = json["prediction_rms_px"].get<double>();
   }
   known.covariance = covariance_of(json.at("covariance"));
+  known.convention = convention_in(json);
   if (json.at("hand_eye").is_object()) {
     const bool is_in_hand = json["hand_eye"].at("to").get<std::string>() == "flange";
     known.mounting = is_in_hand ? Mounting::kEyeInHand : Mounting::kEyeToHand;
@@ -122,6 +137,45 @@ KnownCalibration read_calibration(const fs::path& path) {
     // said below
   }
   throw ConfigError(fmt::format("{}: is no calibration.json of glint calibrate", file.string()));
+}
+
+Json convention_json(PoseConvention convention) {
+  const ConfigNode node = convention_node(std::move(convention));
+  Json json = Json::object();
+  for (std::size_t i = 0; i < node.names.size(); ++i) {
+    // Words and lists of numbers are written alike in TOML and JSON.
+    json[node.names[i]] = Json::parse(value_to_toml(node.items[i]));
+  }
+  return json;
+}
+
+std::optional<PoseConvention> convention_in(const Json& calibration) {
+  const auto found = calibration.find(kConvention);
+  if (found == calibration.end() || !found->is_object()) {
+    return std::nullopt;
+  }
+  std::vector<KeyValue> sets;
+  for (const auto& [key, value] : found->items()) {
+    sets.push_back({.path = fmt::format("{}.{}", kConvention, key), .value = value.dump()});
+  }
+  return settings_from_sets<PoseConvention>(sets, kConvention);
+}
+
+std::string sets_between(const PoseConvention& taken, const PoseConvention& other) {
+  const ConfigNode before = convention_node(taken);
+  const ConfigNode after = convention_node(other);
+  std::string text;
+  for (std::size_t i = 0; i < after.names.size(); ++i) {
+    const ConfigNode* old = before.find(after.names[i]);
+    if (old == nullptr || value_to_toml(*old) != value_to_toml(after.items[i])) {
+      const ConfigNode& value = after.items[i];
+      text +=
+          fmt::format(" --set convention.{}={}",
+                      after.names[i],
+                      value.kind == ConfigNode::Kind::kText ? value.text : value_to_toml(value));
+    }
+  }
+  return text;
 }
 
 }  // namespace glint

@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "core/config/key_writer.h"
 #include "hardware/calibration/camera_bundle.h"
 #include "hardware/calibration/lens_choice.h"
 #include "hardware/calibration_review/second_camera.h"
+#include "studies/calibrate/known_calibration.h"
 
 namespace glint {
 namespace {
@@ -44,29 +44,6 @@ HandEyeOptions hand_eye_options(const CalibrateInput& input, Mounting mounting) 
                                              0.5 * (input.board.rows - 1) * input.board.square_mm)};
 }
 
-/// "convention.unit=m convention.direction=flange_from_base": what one reading has otherwise.
-std::string difference(const PoseConvention& taken, PoseConvention other) {
-  ConfigNode before = ConfigNode::table();
-  ConfigNode after = ConfigNode::table();
-  PoseConvention written = taken;
-  KeyWriter before_writer(before);
-  visit_keys(before_writer, written);
-  KeyWriter after_writer(after);
-  visit_keys(after_writer, other);
-  std::string text;
-  for (std::size_t i = 0; i < after.names.size(); ++i) {
-    const ConfigNode* old = before.find(after.names[i]);
-    if (old == nullptr || value_to_toml(*old) != value_to_toml(after.items[i])) {
-      const ConfigNode& value = after.items[i];
-      text +=
-          fmt::format(" --set convention.{}={}",
-                      after.names[i],
-                      value.kind == ConfigNode::Kind::kText ? value.text : value_to_toml(value));
-    }
-  }
-  return text;
-}
-
 const char* setup_name(Mounting mounting) {
   return mounting == Mounting::kEyeInHand ? "eye_in_hand" : "eye_to_hand";
 }
@@ -90,9 +67,9 @@ std::string either_reading(const CalibrateInput& input,
                            Mounting mounting) {
   const PoseConvention& taken = input.poses->convention;
   return fmt::format("{} --setup {}, or, which no picture distinguishes from it,{} --setup {}",
-                     difference(taken, convention),
+                     sets_between(taken, convention),
                      setup_name(mounting),
-                     difference(taken, inverse_of(convention)),
+                     sets_between(taken, inverse_of(convention)),
                      setup_name(other_mounting(mounting)));
 }
 
@@ -209,7 +186,7 @@ std::string note_of_setup(const CalibrateInput& input, Mounting mounting) {
   if (mounting == Mounting::kEyeToHand) {
     const PoseConvention& taken = input.poses->convention;
     note += fmt::format("; no picture distinguishes it from{} --setup {}",
-                        difference(taken, inverse_of(taken)),
+                        sets_between(taken, inverse_of(taken)),
                         setup_name(other_mounting(mounting)));
   }
   return note;

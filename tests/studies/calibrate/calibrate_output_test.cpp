@@ -235,9 +235,11 @@ TEST_F(CalibrateOutput, CheckByPosesFindsACameraThatWasMoved) {
 
   Json& place = calibration["hand_eye"]["translation_mm"];
   place[0] = place[0].get<double>() + 20.0;
+  calibration["convention"]["flange_from_tcp"] = {0, 0, 100, 0, 0, 0};
   write_file(folder_ / "out/calibration.json", calibration.dump());
   const Json drifted = result_of(check, 1);
   EXPECT_EQ(drifted["status"], "drifted");
+  EXPECT_THAT(drifted["notes"].dump(), HasSubstr("convention.flange_from_tcp=[0.0, 0.0, 100.0"));
   EXPECT_GT(std::hypot(drifted["mean_px"][0].get<double>(), drifted["mean_px"][1].get<double>()),
             2.0);
 }

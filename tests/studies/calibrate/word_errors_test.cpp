@@ -59,6 +59,21 @@ TEST_F(CalibrateWords, SetsThatAreNotOfPosesAreRefusedBesidePoints) {
   }
 }
 
+// A tool that was taken off them would be taken off a second time.
+TEST_F(CalibrateWords, PosesOfAFolderAreNotReadOtherwise) {
+  make_folder(folder_ / "before");
+  write_file(folder_ / "before/calibration.json",
+             R"({"hand_eye": {}, "intrinsics": {"prior": null}})");
+  write_file(folder_ / "before/poses.toml", "[convention]\nunit = \"mm\"\n");
+  for (const KeyValue& set : {KeyValue{"convention.flange_from_tcp", "[0, 0, 100, 0, 0, 0]"},
+                              KeyValue{"convention.direction", "flange_from_base"}}) {
+    const CalibrateOptions options = {
+        .from = "before", .board = "board.toml", .out = "out", .sets = {set}};
+    expect_refused_here([&] { calibrate_pictures(options); },
+                        "--set: " + set.path + ": --from before has poses of the flange already");
+  }
+}
+
 TEST_F(CalibrateWords, PlansThatCannotBeAreRefused) {
   write_file(folder_ / "camera.toml", "[camera]\nwidth_px = 80\nheight_px = 60\nfocal_x_px = 90\n");
   const auto refused = [&](const std::vector<KeyValue>& sets, const std::string& message) {

@@ -87,6 +87,7 @@ Eigen::MatrixXd covariance_of(const Json& json) {
 }
 
 constexpr const char* kConvention = "convention";
+constexpr const char* kOwnSolution = "glint";
 
 ConfigNode convention_node(PoseConvention convention) {
   ConfigNode node = ConfigNode::table();
@@ -114,6 +115,8 @@ KnownCalibration calibration_of(const Json& json, const fs::path& file) {
     known.mounting = is_in_hand ? Mounting::kEyeInHand : Mounting::kEyeToHand;
     known.poses = {.hand_eye = pose_of(json["hand_eye"]),
                    .board = pose_of(json.at("board").at("pose"))};
+    const std::string solver = json["hand_eye"].value("method", kOwnSolution);
+    known.closed_form = solver == kOwnSolution ? std::string() : solver;
     const Json& noise = json.at("noise");
     known.noise = {.corner_px = noise.at("corner_px").get<double>(),
                    .robot_rad = noise.at("robot_deg").get<double>() * kRadPerDeg,

@@ -27,6 +27,7 @@ struct KnownCalibration {
   Board given_board;  ///< as its file had it: squares before they were measured, a missing mark
   std::optional<Mounting> mounting;  ///< with poses
   HandEye poses;                     ///< with a mounting
+  std::string closed_form;           ///< that the hand-eye is of, as --method names it; empty: none
   double rms_px = 0.0;               ///< of its own pictures
   std::optional<double> prediction_rms_px;
   /// Of the nine intrinsics, then with poses of the increments of hand-eye and board: 21 x 21, or

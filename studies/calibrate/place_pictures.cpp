@@ -22,6 +22,10 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
+/// Rows of a calibration's covariance: intrinsics and hand-eye, and with the board.
+constexpr Index kWithHandEye = 15;
+constexpr Index kWithBoard = 21;
+
 /// A calibration with what places a part.
 struct PlacingRig {
   KnownCalibration known;
@@ -44,9 +48,23 @@ PlacingRig rig_of(const CalibrateOptions& options) {
                 .hand_eye = known.poses.hand_eye,
                 .robot_rad = known.noise.robot_rad,
                 .robot_mm = known.noise.robot_mm};
-  const Index told = std::min<Index>(known.covariance.rows(), 15);
+  const Index told = std::min<Index>(known.covariance.rows(), kWithHandEye);
   rig.camera.covariance.topLeftCorner(told, told) = known.covariance.topLeftCorner(told, told);
   return rig;
+}
+
+/// Closed forms do not say how well they know the hand-eye, nor does a covariance with a number
+/// missing. With a hand-eye taken for exact the place would get sigmas far too small: it gets none.
+/// @param rows  of the covariance that the placement needs
+void state_no_sigma(const PlacingRig& rig, Index rows, Placement& placement) {
+  if (rig.known.covariance.rows() >= rows) {
+    return;
+  }
+  placement.placed.covariance.setZero();
+  const std::string& closed_form = rig.known.closed_form;
+  placement.why_unknown =
+      fmt::format("the calibration{} does not say how well its hand-eye is known",
+                  closed_form.empty() ? "" : " by " + closed_form);
 }
 
 bool is_in_hand(const PlacingRig& rig) {
@@ -211,11 +229,10 @@ Json distances_json(const PlacingRig& rig,
 
 /// As the calibration saw it.
 Placement board_of_calibration(const PlacingRig& rig) {
-  constexpr Index kBoard = 15;
   Placement board{.placed = {.base_from_part = rig.known.poses.board},
                   .is_on_flange = !is_in_hand(rig),
                   .told = {{"by", "board"}, {"rms_px", nullptr}}};
-  if (rig.known.covariance.rows() == kBoard + 6) {
+  if (rig.known.covariance.rows() == kWithBoard) {
     board.placed.covariance = rig.known.covariance.bottomRightCorner<6, 6>();
   }
   return board;
@@ -322,6 +339,7 @@ Placement place_by_seen_points(const std::vector<SeenPoint>& points,
                         : "measured"},
       {"points",
        distances_json(rig, points, reading.pictures, flanges, found.placed->base_from_part)}};
+  state_no_sigma(rig, kWithHandEye, placement);
   return placement;
 }
 
@@ -335,6 +353,7 @@ Placement place_by_seen_board(const BoardOffset& offset, const CalibrateOptions&
                                 offset.board_from_part,
                                 offset.part_covariance);
   board.placed.rms = rms;
+  state_no_sigma(rig, options.pictures.empty() ? kWithBoard : kWithHandEye, board);
   return board;
 }
 

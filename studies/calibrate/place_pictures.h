@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@ struct Placement {
   PlacedPart placed;
   bool is_on_flange = false;
   nlohmann::ordered_json told;
+  std::string why_unknown;  ///< why the covariance is not stated, then 0; empty: nothing to add
 };
 
 /// Without a guess where the part is.

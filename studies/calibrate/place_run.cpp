@@ -251,7 +251,10 @@ Json notes_of(const std::vector<Placement>& placements, const PlacedPart& placed
       notes.push_back(fmt::format("{}: {}", file, placement.told["note"].get<std::string>()));
     }
     if (placement.placed.covariance.isZero(0.0)) {
-      notes.push_back(fmt::format("{}: how well the place is known is not stated", file));
+      notes.push_back(fmt::format("{}: how well the place is known is not stated{}{}",
+                                  file,
+                                  placement.why_unknown.empty() ? "" : ": ",
+                                  placement.why_unknown));
     }
   }
   if (placements.size() > 1 && placed.covariance.isZero(0.0)) {

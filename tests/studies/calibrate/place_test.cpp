@@ -249,6 +249,33 @@ TEST_F(PlaceVerb, OnePictureOfACameraInTheCellAndEdgesDo) {
   EXPECT_THAT(read_file(folder_ / "out/placement.toml"), HasSubstr("[cell.flange_from_part]"));
 }
 
+// As of --method, whose closed forms tell nothing of how well the hand-eye is known.
+TEST_F(PlaceVerb, AHandEyeWithoutACovarianceStatesNoSigma) {
+  if (board_on_robot().result.is_null()) {
+    GTEST_SKIP() << "no photographs";
+  }
+  Json calibration = Json::parse(read_file(board_on_robot().folder / "out/calibration.json"));
+  Json& rows = calibration["covariance"];
+  rows.erase(rows.begin() + 9, rows.end());
+  for (Json& row : rows) {
+    row.erase(row.begin() + 9, row.end());
+  }
+  calibration["hand_eye"]["method"] = "park";
+  write_file(folder_ / "calibration.json", calibration.dump());
+  write_seen(board_on_robot(), "seen.csv", 1, 1);
+  write_file(folder_ / "board.toml", "[board_from_part]\nsigma_mm = [0.1, 0.1, 0.1]\n");
+  for (const std::string name : {"seen.csv", "board.toml"}) {
+    const auto result =
+        place_part({{.file = folder_ / name}},
+                   {.camera = folder_ / "calibration.json", .out = folder_ / ("of_" + name)});
+    const char* pose = name == "seen.csv" ? "base_from_part" : "flange_from_part";
+    EXPECT_EQ(result[pose]["sigma_mm"], nullptr) << name;
+    EXPECT_EQ(result[pose]["sigma_deg"], nullptr) << name;
+    EXPECT_THAT(result["notes"].dump(),
+                HasSubstr("the calibration by park does not say how well its hand-eye is known"));
+  }
+}
+
 TEST_F(PlaceVerb, RefusesWhatTellsNoPlace) {
   const auto refused = [&](const std::string& name,
                            const std::string& text,

@@ -20,6 +20,48 @@ void visit_window(const DefectView& defect, int width_px, const Visit& visit) {
   }
 }
 
+/// Radius of a defect as the picture shows it, in pixels: of a disc, or half the width of a line.
+/// Away from its middle the distance grows by 1 over it a pixel; the median passes over edges of
+/// the part. Infinite where no two neighbours are seen.
+double radius_in_pixels(const ImageF& distance) {
+  std::vector<double> slopes;
+  for (int y = 0; y + 1 < distance.height(); ++y) {
+    for (int x = 0; x + 1 < distance.width(); ++x) {
+      const float right = distance(x + 1, y) - distance(x, y);
+      const float down = distance(x, y + 1) - distance(x, y);
+      const auto slope = static_cast<double>(std::hypot(right, down));
+      if (std::isfinite(slope)) {
+        slopes.push_back(slope);
+      }
+    }
+  }
+  if (slopes.empty()) {
+    return DefectView::kFar;
+  }
+  const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
+  std::ranges::nth_element(slopes, middle);
+  return 1.0 / *middle;
+}
+
+/// A defect so small that it lies between the middles of pixels gets the nearest pixel on the part,
+/// at most one pixel from its middle: the one that holds it, or a neighbour. Nothing is changed
+/// where that is none, as of a defect outside the picture.
+void take_pixel_around(const DefectView& defect, const Mask& on_part, DefectPixels& pixels) {
+  std::size_t nearest = on_part.size();
+  double nearest_distance = DefectView::kFar;
+  visit_window(defect, on_part.width(), [&](std::size_t index, double distance) {
+    if (on_part.values()[index] != 0 && distance < nearest_distance) {
+      nearest = index;
+      nearest_distance = distance;
+    }
+  });
+  if (nearest < on_part.size() && nearest_distance * radius_in_pixels(defect.distance) <= 1.0) {
+    pixels.inside.push_back(nearest);
+    pixels.window.push_back(nearest);
+    std::erase(pixels.ring, nearest);
+  }
+}
+
 DefectPixels sort_pixels(const DefectView& defect,
                          const Mask& on_part,
                          const Mask& background,
@@ -46,6 +88,8 @@ DefectPixels sort_pixels(const DefectView& defect,
   });
   if (pixels.inside.empty() && nearest < on_part.size()) {
     pixels.inside.push_back(nearest);  // smaller than a pixel: the one that sees most of it
+  } else if (pixels.inside.empty()) {
+    take_pixel_around(defect, on_part, pixels);
   }
   return pixels;
 }
@@ -196,9 +240,10 @@ std::vector<DefectPixels> defect_pixels(std::span<const DefectView> defects,
     }
     if (pixels.ring.empty()) {
       throw ConfigError(defect_table(defect.label),
-                        fmt::format("{} has no background between {} and {} radii on the visible "
+                        fmt::format("{}{} has no background between {} and {} radii on the visible "
                                     "part away from other defects, at least one pixel must be left",
                                     defect.label,
+                                    defect.area_px < 1.0 ? " is smaller than a pixel and" : "",
                                     settings.ring_inner_radii,
                                     settings.ring_outer_radii));
     }

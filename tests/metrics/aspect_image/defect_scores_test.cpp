@@ -142,6 +142,55 @@ TEST(DefectPixels, GiveADefectSmallerThanAPixelThePixelItLiesIn) {
   EXPECT_THAT(pixels[0].inside, ::testing::ElementsAre(10U * 40U + 20U));
 }
 
+// On the corner of four pixels no middle is nearer than 0.71 px, which is 2.8 radii: one of the
+// four is the defect's, the other three are its background.
+TEST(DefectPixels, GiveADefectBetweenTheMiddlesOfPixelsOneOfThem) {
+  const Mask part(40, 40, 1);
+  const std::vector<DefectView> views = {disc_view("speck", 20.0, 20.0, 0.25, 40, 40)};
+  const auto pixels = defect_pixels(views, part);
+  EXPECT_THAT(pixels[0].inside, ::testing::ElementsAre(19U * 40U + 19U));
+  EXPECT_EQ(pixels[0].window, pixels[0].inside);
+  EXPECT_THAT(pixels[0].ring,
+              ::testing::ElementsAre(19U * 40U + 20U, 20U * 40U + 19U, 20U * 40U + 20U));
+  // The ring of an even smaller one holds no middle of a pixel.
+  const std::vector<DefectView> tiny = {disc_view("speck", 20.0, 20.0, 0.1, 40, 40, 30.0)};
+  EXPECT_THAT([&] { defect_pixels(tiny, part); },
+              ::testing::ThrowsMessage<ConfigError>(
+                  ::testing::HasSubstr("speck is smaller than a pixel and has no background")));
+}
+
+// A scratch 0.2 px wide between two rows.
+TEST(DefectPixels, GiveAScratchBetweenTwoRowsAPixel) {
+  DefectView view{.label = "scratch", .left_px = 10, .top_px = 15, .distance = ImageF(20, 10)};
+  view.area_px = 4.0;
+  for (int y = 0; y < 10; ++y) {
+    for (int x = 0; x < 20; ++x) {
+      view.distance(x, y) = std::abs(static_cast<float>(y) - 4.5F) / 0.1F;
+    }
+  }
+  MetricsSettings settings;
+  settings.ring_outer_radii = 20.0;
+  const auto pixels = defect_pixels(std::vector{view}, Mask(40, 40, 1), settings);
+  EXPECT_THAT(pixels[0].inside, ::testing::ElementsAre(19U * 40U + 10U));
+  EXPECT_EQ(pixels[0].ring.size(), 4U * 20U - 1U);
+}
+
+// One whose middle is not on the part stays unseen, however near its ring comes.
+TEST(DefectPixels, GiveADefectOffThePartNoPixel) {
+  Mask part(40, 40, 1);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 22; ++x) {
+      part(x, y) = 0;
+    }
+  }
+  const auto refused = ::testing::ThrowsMessage<ConfigError>(::testing::HasSubstr("is not in"));
+  for (const double radius_px : {0.25, 0.5, 0.8}) {
+    const std::vector<DefectView> views = {
+        disc_view("dent", 20.0, 20.0, radius_px, 40, 40, 8.0 / radius_px)};
+    EXPECT_THAT([&] { defect_pixels(views, part); }, refused) << radius_px;
+  }
+}
+
 TEST(DefectPixels, RefuseADefectOffThePartOrWithoutBackground) {
   using ::testing::HasSubstr;
   const std::vector<DefectView> views = {disc_view("dent", 20.0, 20.0, 3.0, 40, 40)};

@@ -62,16 +62,18 @@ std::string check_text(const Json& result) {
 
 std::string sensor_text(const Json& result) {
   const Json& sensor = result["sensor"];
+  const Json& linearity = result["linearity_error"];
   std::string text = fmt::format(
       "  gain          {:.4g} +- {:.2g} DN per electron (weighted affine fit)\n"
       "  full_well_e   {:.5g}\n  read_noise_e  {:.4g}\n  dark_e        {:.4g}\n"
-      "  linearity     {:.2g} %   PRNU {:.3g} %   DSNU {:.3g} e   largest SNR {:.4g}\n",
+      "  linearity     {}   PRNU {:.3g} %   DSNU {:.3g} e   largest SNR {:.4g}\n",
       result["gain_dn_per_e"].get<double>(),
       result["gain_sigma"].get<double>(),
       sensor["full_well_e"].get<double>(),
       sensor["read_noise_e"].get<double>(),
       sensor["dark_e"].get<double>(),
-      100.0 * result["linearity_error"].get<double>(),
+      linearity.is_number() ? fmt::format("{:.2g} %", 100.0 * linearity.get<double>())
+                            : std::string("not known"),
       100.0 * result["prnu"].get<double>(),
       result["dsnu_e"].get<double>(),
       result["largest_snr"].get<double>());

@@ -231,8 +231,14 @@ void fit_response(std::span<const LevelStatistics> levels, PhotonTransfer& resul
                     result.saturation_dn));
   }
   const auto [low, high] = std::ranges::minmax(points.x);
-  if (points.x.size() < 3 || !(high > low)) {
+  if (!(high > low)) {
     result.warnings.emplace_back("the levels do not differ in exposure: linearity is not known");
+    return;
+  }
+  result.rate_dn = mean_rate(levels, result);
+  if (points.x.size() < 3) {
+    result.warnings.emplace_back(
+        "fewer than 3 levels lie between 5 and 95 % of saturation: linearity is not known");
     return;
   }
   result.response = points.line();
@@ -315,7 +321,6 @@ PhotonTransfer photon_transfer(std::span<const LevelStatistics> levels, double f
   find_saturation(levels, result);
   fit_gain(levels, result);
   take_electrons(levels, result);
-  result.rate_dn = mean_rate(levels, result);
   fit_response(levels, result);
   take_nonuniformity(levels, result);
   if (!result.has_saturated) {

@@ -10,6 +10,7 @@
 // Source: EMVA Standard 1288, release 4.0 Linear; docs/theory/sensor_calibration.md.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -52,10 +53,11 @@ struct PhotonTransfer {
   double read_noise_e = 0.0;
   double dark_noise_e = 0.0;  ///< square root of the dark variance without rounding; likewise
   LineFit response;           ///< mean without dark mean against exposure, 5 to 95 % of saturation
-  double rate_dn = 0.0;       ///< mean of light over exposure, 5 to 70 % of saturation
-  double linearity_error = 0.0;     ///< mean deviation from it, share of the value
-  double responsivity_dn = 0.0;     ///< DN per photon; 0: photons not known
-  double quantum_efficiency = 0.0;  ///< 0: photons not known
+  /// Mean of light over exposure, 5 to 70 % of saturation; 0: the levels do not differ in exposure.
+  double rate_dn = 0.0;
+  std::optional<double> linearity_error;  ///< mean deviation from response, share of the value
+  double responsivity_dn = 0.0;           ///< DN per photon; 0: photons not known
+  double quantum_efficiency = 0.0;        ///< 0: photons not known
   double photo_response_nonuniformity =
       0.0;                            ///< PRNU at the level nearest to half saturation, share
   double dark_nonuniformity_e = 0.0;  ///< DSNU

@@ -71,14 +71,17 @@ Json response_chart(std::span<const LevelStatistics> levels, const PhotonTransfe
   if (fit.slope > 0.0) {
     longest = std::min(longest, (transfer.saturation_dn - fit.offset) / fit.slope);
   }
+  Json series = {
+      marks(levels, "bright", false, &LevelStatistics::exposure, &LevelStatistics::mean_dn),
+      marks(levels, "dark", true, &LevelStatistics::exposure, &LevelStatistics::mean_dn)};
+  if (transfer.linearity_error) {
+    series.push_back(line("fit from 5 to 95 % of saturation", fit, longest));
+  }
   return {{"kind", "curves"},
           {"title", "Linearity"},
           {"x", "exposure"},
           {"y", "mean (DN)"},
-          {"series",
-           {marks(levels, "bright", false, &LevelStatistics::exposure, &LevelStatistics::mean_dn),
-            marks(levels, "dark", true, &LevelStatistics::exposure, &LevelStatistics::mean_dn),
-            line("fit from 5 to 95 % of saturation", fit, longest)}}};
+          {"series", std::move(series)}};
 }
 
 /// Four digits, without a power of ten where a person would write none.
@@ -122,7 +125,9 @@ Json figures_table(const Json& result, const PhotonTransfer& transfer) {
         {"quantum efficiency",
          efficiency.is_number() ? share(efficiency.get<double>()) : std::string("not known"),
          "electrons per photon"},
-        {"linearity error", share(transfer.linearity_error), "mean deviation from the fitted line"},
+        {"linearity error",
+         transfer.linearity_error ? share(*transfer.linearity_error) : std::string("not known"),
+         "mean deviation from the fitted line"},
         {"PRNU",
          share(transfer.photo_response_nonuniformity),
          "spread of the response over the pixels, shading of lamp and lens included"},

@@ -55,7 +55,7 @@ TEST(PhotonTransfer, FindsTheModelThatMadeTheLevels) {
   EXPECT_NEAR(found.dark_e, 40.0, 1e-9);
   EXPECT_NEAR(found.full_scale_e, 4095.0 / 0.25, 1e-6);
   EXPECT_NEAR(found.quantum_efficiency, 0.5, 1e-9);
-  EXPECT_NEAR(found.linearity_error, 0.0, 1e-9);
+  EXPECT_NEAR(found.linearity_error.value(), 0.0, 1e-9);
   EXPECT_TRUE(found.has_saturated);
   // Of 1.667, 3.333, ... thousand electrons the last below 4095 DN is 15 thousand: 3760 DN.
   EXPECT_NEAR(found.saturation_dn, 3760.0, 1e-6);
@@ -75,8 +75,23 @@ TEST(PhotonTransfer, LevelsAboveSeventyPerCentDoNotCount) {
 TEST(PhotonTransfer, TellsAResponseThatIsBent) {
   const Model straight;
   const Model bent{.bend = 0.05};
-  EXPECT_GT(photon_transfer(bent.series(14.0), bent.full_dn).linearity_error, 0.004);
-  EXPECT_LT(photon_transfer(straight.series(14.0), 4095.0).linearity_error, 1e-9);
+  EXPECT_GT(photon_transfer(bent.series(14.0), bent.full_dn).linearity_error.value(), 0.004);
+  EXPECT_LT(photon_transfer(straight.series(14.0), 4095.0).linearity_error.value(), 1e-9);
+}
+
+// Levels by light at one exposure: light over exposure says nothing.
+TEST(PhotonTransfer, KnowsNoLinearityWhereExposuresDoNotDiffer) {
+  const Model model;
+  std::vector<LevelStatistics> levels = model.series(20.0);
+  for (LevelStatistics& level : levels) {
+    level.exposure = 10.0;
+  }
+  const PhotonTransfer found = photon_transfer(levels, model.full_dn);
+  EXPECT_FALSE(found.linearity_error.has_value());
+  EXPECT_EQ(found.rate_dn, 0.0);
+  EXPECT_NEAR(found.fit.slope, 0.25, 1e-9);
+  ASSERT_EQ(found.warnings.size(), 1U);
+  EXPECT_NE(found.warnings[0].find("do not differ in exposure"), std::string::npos);
 }
 
 TEST(PhotonTransfer, WarnsWhereTheSimulatedSensorCannotFollow) {

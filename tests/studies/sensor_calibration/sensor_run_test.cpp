@@ -132,6 +132,30 @@ TEST(CalibrateSensor, WritesATableThatScenesTake) {
   EXPECT_NEAR(sum / static_cast<double>(flat.size()), 1.0, 1e-5);
 }
 
+/// The series with its light varied instead of its exposure.
+void vary_light(const fs::path& folder) {
+  const fs::path file = folder / "levels.csv";
+  std::string table = "file,kind,exposure,photons\n";
+  const std::vector<CsvRow> rows = parse_csv(read_file(file), file.string());
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    table += fmt::format("{},{},10,{}\n", rows[i][0].text, rows[i][1].text, rows[i][2].text);
+  }
+  write_file(file, table);
+}
+
+TEST(CalibrateSensor, StatesNoExposureWhereOnlyTheLightWasVaried) {
+  const TemporaryFolder folder;
+  write_series(folder / "set",
+               {.blur_px = 0.0, .bits = 10, .full_well_e = 8000, .read_noise_e = 9, .dark_e = 60},
+               0);
+  vary_light(folder / "set");
+  const Json result = calibrate_sensor({.folder = folder / "set", .out = folder / "out"});
+  EXPECT_EQ(result["linearity_error"], nullptr);
+  EXPECT_EQ(result["full_scale_exposure"], nullptr);
+  EXPECT_THAT(read_file(folder / "out/sensor.toml"), ::testing::Not(HasSubstr("exposure = 1 is")));
+  EXPECT_NEAR(result["sensor"]["full_well_e"].get<double>() / 8000.0, 1.0, 0.01);
+}
+
 TEST(CalibrateSensor, RefusesFoldersThatSayNothing) {
   const TemporaryFolder folder;
   const auto run = [&](const fs::path& set, std::optional<int> bits = {}) {

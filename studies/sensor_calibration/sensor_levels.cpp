@@ -180,4 +180,17 @@ CodeRange code_range(unsigned all_bits) {
   return range;
 }
 
+CodeRange told_range(int bits, unsigned all_bits) {
+  const int unused = 16 - bits;
+  const bool is_shifted =
+      std::bit_width(all_bits) == 16 && std::countr_zero(all_bits) >= unused && unused > 0;
+  const CodeRange range{.bits = bits, .shift = is_shifted ? unused : 0};
+  if ((all_bits >> range.shift) >= (1U << static_cast<unsigned>(bits))) {
+    throw ConfigError(fmt::format("--bits {}: the pictures hold larger codes, up to {} bits",
+                                  bits,
+                                  code_range(all_bits).bits));
+  }
+  return range;
+}
+
 }  // namespace glint

@@ -41,4 +41,10 @@ struct CodeRange {
 /// are 0 in all of them were taken off.
 CodeRange code_range(unsigned all_bits);
 
+/// Codes of as many bits as the user says, at the upper end of 16 where all lower bits are 0 and
+/// the highest is not, else at the lower end.
+/// @param bits  8, 10, 12 or 16
+/// @throws ConfigError where pictures hold larger codes
+CodeRange told_range(int bits, unsigned all_bits);
+
 }  // namespace glint

@@ -73,10 +73,7 @@ class SensorPictures {
     for (const unsigned of_level : bits) {
       all |= of_level;
     }
-    range_ = code_range(all);
-    if (options.bits) {
-      take_bits(*options.bits, all);
-    }
+    range_ = options.bits ? told_range(*options.bits, all) : code_range(all);
   }
 
   int bits() const { return range_.bits; }
@@ -126,14 +123,6 @@ class SensorPictures {
       }
     }
     return pictures;
-  }
-
-  void take_bits(int bits, unsigned all) {
-    range_.bits = bits;
-    if ((all >> range_.shift) >= (1U << static_cast<unsigned>(bits))) {
-      throw ConfigError(fmt::format(
-          "--bits {}: the pictures hold larger codes, up to {} bits", bits, code_range(all).bits));
-    }
   }
 
   std::vector<LevelFiles> files_;

@@ -64,5 +64,26 @@ TEST(CodeRange, IsTheLeastThatTheLargestCodeNeeds) {
   EXPECT_EQ(code_range(0).bits, 8);
 }
 
+// What the user says goes for place and size together: a gain of shifted codes beside the full
+// scale of others would be off by the shift.
+TEST(CodeRange, FollowsWhatIsSaidInShiftAndSize) {
+  const auto expect_range = [](const CodeRange& range, int bits, int shift) {
+    EXPECT_EQ(range.bits, bits);
+    EXPECT_EQ(range.shift, shift);
+  };
+  expect_range(told_range(12, 0xFFF0), 12, 4);
+  expect_range(told_range(16, 0xFFF0), 16, 0);
+  expect_range(told_range(12, 0xFFC0), 12, 4);  // the guess would be 10 bits, shifted by 6
+  expect_range(told_range(16, 0xFFFF), 16, 0);
+  expect_range(told_range(12, 0x0FFF), 12, 0);
+  expect_range(told_range(12, 0x00FF), 12, 0);
+  expect_range(told_range(8, 0xFF00), 8, 8);
+  const auto told = [](int bits, unsigned all) { return [=] { told_range(bits, all); }; };
+  const auto refused =
+      ThrowsMessage<ConfigError>(HasSubstr("the pictures hold larger codes, up to 12"));
+  EXPECT_THAT(told(10, 0xFFF0), refused);
+  EXPECT_THAT(told(8, 0xFFF), refused);
+}
+
 }  // namespace
 }  // namespace glint

@@ -102,6 +102,10 @@ TEST(CalibrateSensor, FindsTheSensorThatMadeThePictures) {
     EXPECT_LT(result["prnu"].get<double>(), 0.001);
     EXPECT_EQ(result["warnings"], Json::array());
   }
+  // The same files as codes of 16 bits: sixteen times the gain and the full scale.
+  const Json wide =
+      calibrate_sensor({.folder = folder / "set4", .out = folder / "wide", .bits = 16});
+  EXPECT_NEAR(wide["sensor"]["full_well_e"].get<double>() / 12000.0, 1.0, 0.01);
 }
 
 TEST(CalibrateSensor, WritesATableThatScenesTake) {

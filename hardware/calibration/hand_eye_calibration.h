@@ -40,6 +40,8 @@ struct HandEyeOptions {
   /// Middle of the board; not given: of all corners that were found anywhere.
   std::optional<Eigen::Vector2d> board_center_mm;
   std::uint64_t seed = 1;  ///< of the random subsets
+  /// Of the pictures, for what is said of one; empty: their numbers, counted from 1.
+  std::vector<std::string> names;
 };
 
 /// One picture with its robot pose.

@@ -26,6 +26,12 @@ constexpr double kLargeShareOfDistance = 0.002;
 /// Fewer pictures do not tell the size of the squares.
 constexpr std::size_t kMinViewsOfSize = 10;
 
+/// A picture as its user knows it.
+std::string name_of_picture(const HandEyeWork& work, std::size_t i) {
+  const std::vector<std::string>& names = work.options.names;
+  return i < names.size() ? names[i] : fmt::format("{}", i + 1);
+}
+
 /// The error that the robot's pose must have for the picture to be right.
 Isometry3d implied_error(const HandEyeWork& work, const PosePair& pair, int turn) {
   const HandEye& poses = work.result.bundle.poses;
@@ -177,7 +183,8 @@ void explain_rejections(HandEyeWork& work) {
         angle_rad(nearest.linear()) * kDegPerRad);
     if (picture.fits_pose_of >= 0) {
       picture.reason +=
-          fmt::format("; it fits the robot pose of picture {}", picture.fits_pose_of + 1);
+          fmt::format("; it fits the robot pose of picture {}",
+                      name_of_picture(work, static_cast<std::size_t>(picture.fits_pose_of)));
     }
   }
 }
@@ -225,8 +232,8 @@ std::string refusal_of_moves(const HandEyeWork& work) {
   return fmt::format(
       "board or camera moved between pictures {} and {}, by {:.3g} mm and {:.3g} degrees: "
       "calibrate from the pictures before or after it",
-      work.seen[moved->first_after - 1] + 1,
-      work.seen[moved->first_after] + 1,
+      name_of_picture(work, work.seen[moved->first_after - 1]),
+      name_of_picture(work, work.seen[moved->first_after]),
       moved->moved_mm,
       moved->turned_rad * kDegPerRad);
 }

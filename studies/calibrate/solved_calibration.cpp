@@ -34,6 +34,15 @@ CameraOptions camera_options(const CalibrateInput& input) {
   return options;
 }
 
+/// Without their folders.
+std::vector<std::string> file_names(const CalibrateInput& input) {
+  std::vector<std::string> names;
+  for (const std::string& name : input.names) {
+    names.push_back(std::filesystem::path(name).filename().string());
+  }
+  return names;
+}
+
 HandEyeOptions hand_eye_options(const CalibrateInput& input, Mounting mounting) {
   return {.mounting = mounting,
           .camera = camera_options(input),
@@ -41,7 +50,8 @@ HandEyeOptions hand_eye_options(const CalibrateInput& input, Mounting mounting) 
           .has_mark = input.board.mark,
           .square_mm = input.board.square_mm,
           .board_center_mm = Eigen::Vector2d(0.5 * (input.board.cols - 1) * input.board.square_mm,
-                                             0.5 * (input.board.rows - 1) * input.board.square_mm)};
+                                             0.5 * (input.board.rows - 1) * input.board.square_mm),
+          .names = file_names(input)};
 }
 
 const char* setup_name(Mounting mounting) {

@@ -117,11 +117,18 @@ TEST(HandEyeCalibration, FindsTurnedBoardsAndWrongStampsAndSaysWhich) {
 TEST(HandEyeCalibration, NamesTheStampThatAPictureFits) {
   SimulatedCell cell = simulate_cell({.num_poses = 20}, 12);
   std::swap(cell.base_from_flange[4], cell.base_from_flange[9]);
-  const HandEyeCalibration result = calibrate(cell);
+  HandEyeOptions options = cell_options(cell.settings);
+  options.camera.free_terms = kRightTerms;
+  for (std::size_t i = 0; i < cell.pictures.size(); ++i) {
+    options.names.push_back("p" + std::to_string(i) + ".png");
+  }
+  const HandEyeCalibration result =
+      calibrate_hand_eye(cell.pictures, cell.base_from_flange, options);
   ASSERT_TRUE(result.succeeded) << result.refusal;
   EXPECT_FALSE(result.pictures[4].accepted);
   EXPECT_EQ(result.pictures[4].fits_pose_of, 9);
   EXPECT_EQ(result.pictures[9].fits_pose_of, 4);
+  EXPECT_THAT(result.pictures[4].reason, HasSubstr("it fits the robot pose of picture p9.png"));
 }
 
 TEST(HandEyeCalibration, WithoutRobotErrorsIsFarWorse) {

@@ -412,7 +412,7 @@ TEST_F(CalibrateErrors, ABoardThatMovedMidwayIsToldWithTheTwoPictures) {
                   (set / "board.json").string(),
                   "--poses",
                   "moved.csv"},
-                 "moved between pictures");
+                 "moved between pictures img09.png and img10.png");
 }
 
 }  // namespace

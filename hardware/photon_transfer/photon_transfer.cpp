@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "core/text.h"
 
 namespace glint {
 namespace {
@@ -92,6 +93,22 @@ Points fitted_points(std::span<const LevelStatistics> levels, const PhotonTransf
     }
   }
   return points;
+}
+
+/// Copies of one picture: each pixel's code is the same in all, though pixels differ by more than
+/// rounding, so that noise was there.
+void check_has_noise(std::span<const LevelStatistics> levels) {
+  constexpr double kNone = 1e-9;  // DN^2: what sums of equal numbers leave
+  for (const LevelStatistics& level : levels) {
+    if (!level.is_dark && level.temporal_variance_dn2 < kNone &&
+        level.spatial_variance_dn2 > kRoundingVariance) {
+      throw ConfigError(fmt::format(
+          "the pictures of the bright level of exposure {} (mean {:.4g} DN) are all "
+          "alike: they are copies of one, or were processed; noise needs different ones",
+          shortest(level.exposure),
+          level.mean_dn));
+    }
+  }
 }
 
 /// Whether a dark level lies on the line: rounding and code 0 take noise away from one without a
@@ -317,6 +334,7 @@ LineFit fitted_line(std::span<const double> x,
 
 PhotonTransfer photon_transfer(std::span<const LevelStatistics> levels, double full_scale_dn) {
   PhotonTransfer result{.full_scale_dn = full_scale_dn};
+  check_has_noise(levels);
   fit_dark(levels, result);
   find_saturation(levels, result);
   fit_gain(levels, result);

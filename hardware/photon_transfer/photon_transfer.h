@@ -70,8 +70,7 @@ struct PhotonTransfer {
 /// more than 0.5 % of the pixels at code 0.
 /// @param levels  in any order
 /// @throws ConfigError: no dark level, fewer than 3 bright levels below 70 % of saturation, noise
-/// that
-///         does not grow with the mean
+///         that does not grow with the mean, a bright level whose pictures are all alike
 PhotonTransfer photon_transfer(std::span<const LevelStatistics> levels, double full_scale_dn);
 
 }  // namespace glint

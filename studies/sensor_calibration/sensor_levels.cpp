@@ -47,6 +47,27 @@ std::string with_slashes(std::string path) {
   return path;
 }
 
+/// Where a table names its pictures. One that is listed twice is no second picture: within a level
+/// it would hide noise, in another one it was not taken there.
+class PicturePlaces {
+ public:
+  /// @param place  of the picture in the table, as errors begin: "levels.csv:3:1: "
+  /// @throws ConfigError where it was named before
+  void add(const fs::path& picture, const std::string& place, int line) {
+    const auto [first, is_new] = lines_.emplace(picture.lexically_normal(), line);
+    if (!is_new) {
+      throw ConfigError(
+          fmt::format("{}file: {} is listed in line {} already; each picture counts once",
+                      place,
+                      picture.filename().string(),
+                      first->second));
+    }
+  }
+
+ private:
+  std::map<fs::path, int> lines_;
+};
+
 /// The level of these numbers, begun when there is none.
 LevelFiles& level_of(std::vector<LevelFiles>& levels, const LevelFiles& wanted) {
   const auto found = std::ranges::find_if(levels, [&](const LevelFiles& level) {
@@ -101,6 +122,7 @@ double csv_number(const CsvField& field, std::string_view name) {
 
 std::vector<LevelFiles> parse_levels_txt(std::string_view text, const fs::path& file) {
   std::vector<LevelFiles> levels;
+  PicturePlaces places;
   int number = 0;
   for (std::string line : split(text, '\n')) {
     std::erase(line, '\r');
@@ -120,8 +142,9 @@ std::vector<LevelFiles> parse_levels_txt(std::string_view text, const fs::path& 
                         "\"d EXPOSURE\"",
                         place));
       }
-      levels.back().pictures.push_back(file.parent_path() /
-                                       with_slashes(line.substr(line.find('i') + 2)));
+      const fs::path picture = file.parent_path() / with_slashes(line.substr(line.find('i') + 2));
+      places.add(picture, place + ": ", number);
+      levels.back().pictures.push_back(picture);
     }
   }
   check_levels(levels, file);
@@ -130,6 +153,7 @@ std::vector<LevelFiles> parse_levels_txt(std::string_view text, const fs::path& 
 
 std::vector<LevelFiles> parse_levels_csv(std::string_view text, const fs::path& file) {
   std::vector<LevelFiles> levels;
+  PicturePlaces places;
   const std::vector<CsvRow> rows = parse_csv(text, file.string(), '#');
   for (std::size_t i = 1; i < rows.size(); ++i) {
     const CsvField& kind = *field_of(rows[0], rows[i], "kind", true);
@@ -143,8 +167,10 @@ std::vector<LevelFiles> parse_levels_csv(std::string_view text, const fs::path& 
     if (photons != nullptr && !photons->text.empty()) {
       level.photons = csv_number(*photons, "photons");
     }
-    level_of(levels, level)
-        .pictures.push_back(file.parent_path() / field_of(rows[0], rows[i], "file", true)->text);
+    const CsvField& name = *field_of(rows[0], rows[i], "file", true);
+    const fs::path picture = file.parent_path() / name.text;
+    places.add(picture, name.place.prefix(), name.place.line);
+    level_of(levels, level).pictures.push_back(picture);
   }
   check_levels(levels, file);
   return levels;

@@ -23,7 +23,7 @@ struct LevelFiles {
   std::vector<std::filesystem::path> pictures;
 };
 
-/// @throws ConfigError with file:line
+/// @throws ConfigError with file:line, also for a picture that is listed twice
 std::vector<LevelFiles> parse_levels_txt(std::string_view text, const std::filesystem::path& file);
 std::vector<LevelFiles> parse_levels_csv(std::string_view text, const std::filesystem::path& file);
 

@@ -166,6 +166,23 @@ TEST(PhotonTransfer, RefusesWhatSaysNothingOfNoise) {
   EXPECT_THROW(photon_transfer(quiet, model.full_dn), ConfigError);
 }
 
+// Copies have the noise of one picture over the pixels, and none between them.
+TEST(PhotonTransfer, NamesALevelOfCopies) {
+  const Model model;
+  std::vector<LevelStatistics> levels = model.series(12.0);
+  levels[4].spatial_variance_dn2 = levels[4].temporal_variance_dn2;
+  levels[4].temporal_variance_dn2 = 1e-20;
+  try {
+    photon_transfer(levels, model.full_dn);
+    FAIL() << "no error";
+  } catch (const ConfigError& error) {
+    // 0.25 (3000 + 40) = 760 DN.
+    EXPECT_NE(std::string(error.what()).find("exposure 3 (mean 760 DN) are all alike"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 /// Three bright levels of at most 85 of 4095 DN, as of codes of 8 bits that are read as 12.
 TEST(PhotonTransfer, RefusesLevelsThatAreAllFarBelowSaturation) {
   const Model model;

@@ -48,6 +48,12 @@ TEST(ReadLevels, TellWhereTheyAreWrong) {
               ThrowsMessage<ConfigError>(HasSubstr("l.csv:2:7: kind: is 'grey', must be bright")));
   EXPECT_THAT(csv("file,kind,exposure\na.png,dark,nan\n"),
               ThrowsMessage<ConfigError>(HasSubstr("l.csv:2:12: exposure: must be a number >= 0")));
+  EXPECT_THAT(
+      csv("file,kind,exposure\na.png,bright,5\nb.png,bright,5\nb.png,bright,6\n"),
+      ThrowsMessage<ConfigError>(HasSubstr("l.csv:4:1: file: b.png is listed in line 3 already")));
+  EXPECT_THAT(
+      txt("b 5 1\ni p/a.png\ni p\\a.png\n"),
+      ThrowsMessage<ConfigError>(HasSubstr("l.txt:3: file: a.png is listed in line 2 already")));
   EXPECT_THAT(csv("file,kind\na.png,dark\n"),
               ThrowsMessage<ConfigError>(HasSubstr("has no exposure")));
 }

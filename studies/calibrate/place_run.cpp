@@ -33,6 +33,9 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 
+/// Fewer hardly tell a standard deviation: of two it is itself known to 60 %, of five to 34 %.
+constexpr std::size_t kFewPlacements = 5;
+
 const std::array<std::string, 3> place_files = {"placement.toml", "placement.json", "run.json"};
 
 /// Keys of --set place.; 0: from what remains.
@@ -142,8 +145,8 @@ Placement placement_of(const fs::path& file,
   return placement;
 }
 
-/// The mean of placements and how well the next one is known: along each axis by how far they lie
-/// apart, or by what is known of each, whichever is more.
+/// The mean of placements and how well the next one is known: along each axis by how far it lies
+/// from a mean of so few, or by what is known of each, whichever is more.
 struct Joined {
   PlacedPart placed;
   Json spread;
@@ -169,12 +172,14 @@ Joined joined(const std::vector<Placement>& placements) {
     known += placement.placed.covariance / count;
     farthest_mm = std::max(farthest_mm, step.tail<3>().norm());
   }
+  // The next one lies as far from the true mean as these, which is known to a count-th of that.
+  const Matrix6d next = (1.0 + 1.0 / count) * apart;
   // What is known of each, as far as it is more than how far they lie apart, is added.
-  const Vector6d more = (known.diagonal() - apart.diagonal())
+  const Vector6d more = (known.diagonal() - next.diagonal())
                             .cwiseMax(0.0)
                             .cwiseQuotient(known.diagonal().cwiseMax(1e-300))
                             .cwiseSqrt();
-  result.placed.covariance = apart + more.asDiagonal() * known * more.asDiagonal();
+  result.placed.covariance = next + more.asDiagonal() * known * more.asDiagonal();
   result.spread = {{"placements", placements.size()},
                    {"deg", sigma_of(apart, 0) * kDegPerRad},
                    {"mm", sigma_of(apart, 3)},
@@ -259,6 +264,12 @@ Json notes_of(const std::vector<Placement>& placements, const PlacedPart& placed
   }
   if (placements.size() > 1 && placed.covariance.isZero(0.0)) {
     notes.push_back("the placements are all alike, so they do not show how well the next is known");
+  } else if (placements.size() > 1 && placements.size() < kFewPlacements) {
+    notes.push_back(
+        fmt::format("how far the next part may lie off is estimated from {} placements; {} or more "
+                    "tell it better",
+                    placements.size(),
+                    kFewPlacements));
   }
   return notes;
 }

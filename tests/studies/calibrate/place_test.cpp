@@ -126,13 +126,31 @@ TEST_F(PlaceVerb, SeveralPlacementsTellTheirSpread) {
   EXPECT_EQ(result["placements"].size(), 3U);
   EXPECT_NEAR(result["spread"]["mm"].get<double>(), 0.3, 1e-6);
   EXPECT_NEAR(result["spread"]["farthest_mm"].get<double>(), 0.3, 1e-6);
-  EXPECT_NEAR(result["base_from_part"]["sigma_mm"].get<double>(), 0.3, 1e-6);
+  // The next one lies off the mean of three by sqrt(1 + 1/3) of that.
+  const double next_mm = 0.3 * std::sqrt(4.0 / 3.0);
+  EXPECT_NEAR(result["base_from_part"]["sigma_mm"].get<double>(), next_mm, 1e-6);
+  EXPECT_THAT(result["notes"].dump(), HasSubstr("estimated from 3 placements; 5 or more"));
   EXPECT_LT(six_of(pose_of(result["base_from_part"]).inverse() * some_place()).norm(), 1e-6);
   // The result is a placement, too.
   fs::rename(folder_ / "out", folder_ / "before");
   const Json again = place({"--place", "before/placement.toml"});
   EXPECT_EQ(again["placements"][0]["by"], "placement");
-  EXPECT_NEAR(again["base_from_part"]["sigma_mm"].get<double>(), 0.3, 1e-6);
+  EXPECT_NEAR(again["base_from_part"]["sigma_mm"].get<double>(), next_mm, 1e-6);
+}
+
+// 1 mm to either side of their mean along x: a standard deviation of sqrt(2) mm, and the next part
+// is off their mean by sqrt(2) sqrt(1 + 1/2) mm.
+TEST_F(PlaceVerb, TheNextPartLiesOffTheMeanOfTwo) {
+  std::vector<PlaceInput> inputs;
+  for (const int x_mm : {-1, 1}) {
+    const fs::path file = folder_ / fmt::format("at{}.toml", x_mm);
+    write_file(file, fmt::format("[cell.base_from_part]\ntranslation_mm = [{}, 0, 0]\n", x_mm));
+    inputs.push_back({.file = file});
+  }
+  const auto result = place_part(inputs, {.out = folder_ / "out"});
+  const auto& rows = result["base_from_part"]["covariance"];
+  EXPECT_NEAR(std::sqrt(rows[3][3].get<double>()), std::sqrt(2.0) * std::sqrt(1.5), 1e-9);
+  EXPECT_NEAR(result["spread"]["mm"].get<double>(), std::sqrt(2.0), 1e-9);
 }
 
 // Files that are alike tell nothing of how the part is put back: what is known of each stays.

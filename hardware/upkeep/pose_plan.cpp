@@ -94,6 +94,26 @@ class Photographer {
     if (request_.far_mm > 0.0 || near_mm_ >= far_mm_) {
       far_mm_ = std::isfinite(sharp_far_mm_) ? sharp_far_mm_ : by_size_far_mm;
     }
+    if (near_mm_ >= far_mm_) {
+      take_other_end();
+    }
+  }
+
+  /// Where one end alone is asked for, and the board fills enough of the picture only beyond it.
+  void take_other_end() {
+    constexpr double kRange = 1.5;
+    if (sharp_near_mm_ >= sharp_far_mm_) {
+      throw ConfigError(fmt::format(
+          "plan.near_mm and plan.far_mm: from {:.4g} to {:.4g} mm is no distance; [lens] "
+          "of the camera's file says what they do not: give both",
+          sharp_near_mm_,
+          sharp_far_mm_));
+    }
+    if (request_.near_mm > 0.0) {
+      far_mm_ = std::min(kRange * near_mm_, sharp_far_mm_);
+    } else {
+      near_mm_ = std::max(far_mm_ / kRange, sharp_near_mm_);
+    }
   }
 
   bool shows_all(const Isometry3d& pose) const {

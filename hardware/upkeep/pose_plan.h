@@ -22,7 +22,9 @@ struct PlanRequest {
   std::vector<Eigen::Vector3d> outline_mm;  ///< what else of the board must be so; may be empty
   int count = 20;                           ///< of poses, >= 1
   double near_mm = 0.0;                     ///< in focus from here, along the view
-  double far_mm = 0.0;  ///< to here; 0: where the board fills 90, 40 % of the picture, within ...
+  /// To here. Of these two 0: where the board fills 90, 40 % of the picture, within ...; where the
+  /// other one lies beyond that, 1.5 times as near, as far.
+  double far_mm = 0.0;
   double sharp_near_mm = 0.0;  ///< ... what the lens shows sharp; 0: not known
   double sharp_far_mm = std::numeric_limits<double>::infinity();
   double tilt_min_rad = 0.35;  ///< of the board against the view; one pose in eight is not tilted
@@ -64,7 +66,7 @@ struct PosePlan {
 /// that add most to what the pictures that there are tell of intrinsics, hand-eye and board (greedy
 /// D-optimal design), or with an aim shrink the hand-eye's variances most, in units of the aim
 /// (A-optimal), so that any first part of the plan is a good plan, too.
-/// @throws ConfigError when hardly any pose shows the whole board
+/// @throws ConfigError when hardly any pose shows the whole board, or the distances leave none
 PosePlan informative_poses(const PlanRequest& request);
 
 /// The same ranges, cut evenly: distance, tilt and the axis that it is about, roll and place in the

@@ -95,5 +95,42 @@ TEST(PlanRun, TiltsTheBoardBesidePicturesThatAreSquareOn) {
   EXPECT_GT(most_deg, 19.0) << plan["poses"];
 }
 
+// From 2 m on the board of 41 mm fills less than 40 % of the picture, and nothing says how far.
+TEST(PlanRun, OneDistanceBeyondTheBoardsSizeGivesTheOther) {
+  const TemporaryFolder folder;
+  write_file(folder / "calibration.json", kCalibration);
+  PosePlanOptions options = {.count = 3,
+                             .camera = folder / "calibration.json",
+                             .out = folder / "out",
+                             .sets = {{"plan.near_mm", "2000"}, {"plan.method", "strided"}}};
+  const auto plan = plan_poses(options);
+  EXPECT_EQ(plan["near_mm"], 2000.0);
+  EXPECT_EQ(plan["far_mm"], 3000.0);
+  EXPECT_EQ(plan["poses"].size(), 3U);
+  // As near as that it does not fit: the range that was tried is told the right way round.
+  options.sets[0] = {"plan.far_mm", "60"};
+  EXPECT_THAT([&] { plan_poses(options); },
+              ::testing::ThrowsMessage<ConfigError>(
+                  ::testing::HasSubstr("show the whole board from 40 to 60 mm")));
+}
+
+TEST(PlanRun, ADistanceBeyondWhatTheLensShowsSharpIsRefused) {
+  const TemporaryFolder folder;
+  write_file(folder / "camera.toml",
+             "[camera]\nwidth_px = 1224\nheight_px = 1025\npixel_um = 5\nfocal_mm = 18\n"
+             "object_pixel_mm = 0\n[lens]\nfocus_mm = 300\nf_number = 4\n");
+  write_file(folder / "board.toml", "[board]\ncols = 10\nrows = 8\nsquare_mm = 3.3\n");
+  EXPECT_THAT(
+      [&] {
+        plan_poses({.count = 3,
+                    .board = folder / "board.toml",
+                    .camera = folder / "camera.toml",
+                    .out = folder / "out",
+                    .sets = {{"plan.near_mm", "2000"}}});
+      },
+      ::testing::ThrowsMessage<ConfigError>(
+          ::testing::HasSubstr("plan.near_mm and plan.far_mm: from 2000 to")));
+}
+
 }  // namespace
 }  // namespace glint::test

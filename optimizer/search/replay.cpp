@@ -166,6 +166,15 @@ std::vector<Point> first_points(const SearchTask& task, const std::vector<Point>
   return points;
 }
 
+/// How many trials an earlier run has given: they are the first ones, and each is one design.
+int count_given(const SearchTask& task) {
+  std::set<Point> points;
+  for (const Point& start : task.start_points) {
+    points.insert(canonical(task.space, start));
+  }
+  return task.is_start_known ? static_cast<int>(points.size()) : 0;
+}
+
 /// Of each objective: the largest noise of the difference of a design to one that surely gained.
 std::vector<double> noise_of_lead(const Goal& goal, const Scores& scores, SearchMemory& memory) {
   std::vector<double> noise;
@@ -279,7 +288,7 @@ Event SearchMemory::tell_next(const Goal& goal) {
     return event;
   }
   num_told = number;
-  since_better = number > num_archived ? since_better + 1 : 0;
+  since_better = is_new(number) ? since_better + 1 : 0;
   if (outcome.is_failed) {
     ++num_failed;
     return event;
@@ -326,6 +335,7 @@ SearchMemory make_memory(const SearchTask& task, const Storage& storage) {
                              !task.settings.derivatives,
                              task.settings.rules > 5),
       .num_archived = static_cast<int>(archived.size()),
+      .num_given = count_given(task),
       .num_design = num_design};
 }
 

@@ -4,6 +4,7 @@
 // module.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <deque>
 #include <map>
@@ -30,7 +31,8 @@ struct SearchMemory {
   int num_reused = 0;              ///< asks for a known trial
   int num_idle = 0;                ///< the same, since the last ask for a new one
   int num_archived = 0;            ///< trials that the epoch began with
-  int since_better = 0;            ///< told trials since `surely_best`, none of the archived ones
+  int num_given = 0;               ///< trials of an earlier run that the search began with
+  int since_better = 0;            ///< told trials since `surely_best`, none that it began with
   std::optional<int> best;         ///< number of the best told trial
   std::optional<int>
       surely_best;                ///< the last told one that beat the one before by more than noise
@@ -43,6 +45,9 @@ struct SearchMemory {
   Trial& trial(int number) { return trials[static_cast<std::size_t>(number - 1)]; }
 
   const Trial& trial(int number) const { return trials[static_cast<std::size_t>(number - 1)]; }
+
+  /// Whether a trial, by its number, was not there when the search or its epoch began.
+  bool is_new(int number) const { return number > std::max(num_archived, num_given); }
 
   /// Counts an ask of this trial and puts it in flight.
   void note_ask(int number);

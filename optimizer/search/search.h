@@ -35,7 +35,8 @@ namespace glint {
 struct Budget {
   int evaluations = 300;      ///< 0: no limit. Designs asked again cost nothing.
   double wall_clock_s = 0.0;  ///< of searching, without the time between runs; 0: no limit
-  /// Evaluations without a design that is better by more than its noise (is_surely_better()); with
+  /// Evaluations, after those that the search or its epoch began with, without a design that is
+  /// better by more than its noise (is_surely_better()); with
   /// several objectives without one that adds to the hypervolume: that beats, in some objective and
   /// by more than noise, each design that added before, and adds more than the noise of what it
   /// adds (by rules 6). 0: no limit.
@@ -74,14 +75,17 @@ using Review = std::function<std::optional<Event>(std::span<const Trial> told)>;
 /// several threads when jobs > 1.
 using LabelOf = std::function<OutcomeLabel(const Point& point)>;
 
-/// What is searched, and how. All but budget, jobs, review and label belong into the study's config
-/// hash.
+/// What is searched, and how. All but budget, is_start_known, jobs, review and label belong into the
+/// study's config hash.
 struct SearchTask {
   SearchSpace space;
   SearchSettings settings;
   Goal goal;
   Budget budget;
   std::vector<Point> start_points;  ///< evaluated first, in order
+  /// Start points are trials of an earlier run, whose outcomes are known (but for the baseline's,
+  /// perhaps): all of them are told before stall or target can end the search.
+  bool is_start_known = false;
   int jobs = 1;                     ///< evaluations at once; more than settings.batch has no use
   ExactScores exact = {};           ///< what follows from a design alone
   std::vector<std::string> steady = {};  ///< limited scores that noise does not move

@@ -41,7 +41,7 @@ SearchTarget::SearchTarget(const SearchTask& task, std::span<const Event> log)
 }
 
 bool SearchTarget::is_reached(const SearchMemory& memory) {
-  if (!task_.budget.target) {
+  if (!task_.budget.target || memory.num_told < memory.num_given) {
     return false;
   }
   if (!task_.settings.is_noisy || task_.settings.rules < 6) {
@@ -83,10 +83,12 @@ bool SearchTarget::has_seen_it(const SearchMemory& memory) const {
                              [&](int number) { return has_reached(memory.trial(number)); });
 }
 
-/// Whether the model can have come to expect the target by the last batch. By rules 6 it is asked
-/// after every batch.
+/// Whether the model can have come to expect the target by the last batch, to which all belongs
+/// that an earlier run gave. By rules 6 it is asked after every batch.
 bool SearchTarget::may_be_expected(const SearchMemory& memory) const {
-  const auto batch = std::span(memory.tells).subspan(memory.told_before_batch);
+  const auto given = static_cast<std::size_t>(memory.num_given);
+  const std::size_t begin = memory.told_before_batch < given ? 0 : memory.told_before_batch;
+  const auto batch = std::span(memory.tells).subspan(begin);
   return task_.settings.rules < 7 || !has_model_ || is_new_ || memory.has_new_model() ||
          std::ranges::any_of(batch, [&](int number) { return has_reached(memory.trial(number)); });
 }

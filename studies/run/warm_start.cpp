@@ -211,6 +211,7 @@ TakenTrials trials_to_take(const Study& study, const fs::path& from, const fs::p
 std::map<Point, Outcome> begin_with_taken(const fs::path& out, SearchTask& task) {
   std::map<Point, Outcome> outcomes;
   if (fs::exists(out / kTakenTrials)) {
+    task.is_start_known = true;
     for (const Trial& trial : Storage::read(out / kTakenTrials).trials(TrialKind::kSearch)) {
       task.start_points.push_back(trial.point);
       outcomes[trial.point] = *trial.outcome;

@@ -11,6 +11,7 @@
 #include "core/file.h"
 #include "optimizer/storage/sqlite.h"
 #include "studies/run/run.h"
+#include "studies/run/study_search.h"
 #include "tests/studies/imaging/path_support.h"
 #include "tests/studies/run/rendered_plate.h"
 #include "tests/support/temporary_folder.h"
@@ -140,6 +141,27 @@ TEST(WarmStart, RefusesABudgetThatLeavesNothingToSearch) {
   const std::string other = replaced(kWider, "height_mm = 30", "height_mm = 31");
   EXPECT_THAT(refusal_of(folder, budget(other, 13), first), HasSubstr("give at least 14"));
   EXPECT_EQ(refusal_of(folder, budget(other, 14), first), "");
+}
+
+// Nor does a stall that is shorter than what the earlier run searched in vain lose them. Nothing is
+// rendered: what is new is worse than all.
+TEST(WarmStart, AStallCountsFromAfterTheTakenTrials) {
+  const TemporaryFolder folder;
+  const auto first = first_in(folder);
+  const Study study =
+      study_from_text(folder, replaced(kWider, "evaluations = 20", "evaluations = 20\nstall = 2"));
+  Storage storage = Storage::open(folder / "study.sqlite", {.config_hash = "abc"});
+  keep_taken(study, trials_from(study, first), folder.path(), storage);
+  SearchTask task = search_task(study, 1);
+  const std::map<Point, Outcome> taken = begin_with_taken(folder.path(), task);
+  Outcome worst = taken.begin()->second;
+  worst.scores["defects.min_weber"] = -1.0;
+  const SearchResult result = run_search(task, storage, [&](const Point& point, int) {
+    const auto known = taken.find(point);
+    return known != taken.end() ? known->second : worst;
+  });
+  EXPECT_EQ(result.termination, Termination::kStall);
+  EXPECT_EQ(result.evaluations, 12 + 2);
 }
 
 const std::string kTwo = replaced(kFirst,

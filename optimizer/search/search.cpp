@@ -108,7 +108,8 @@ class Search {
       return false;
     }
     const auto told = static_cast<std::size_t>(memory_.num_told);
-    const std::optional<Event> event = task_.review(std::span(memory_.trials).first(told));
+    const TimeLeft left = is_out_of_time() ? TimeLeft::kNone : TimeLeft::kSome;
+    const std::optional<Event> event = task_.review(std::span(memory_.trials).first(told), left);
     if (!event) {
       return false;
     }
@@ -123,9 +124,11 @@ class Search {
 
   bool is_interrupted() const { return interrupt_ != nullptr && interrupt_->load() > 0; }
 
+  /// Not before all is told that the search or its epoch began with: the best may be among it.
   bool is_out_of_time() const {
     const double limit = task_.budget.wall_clock_s;
-    return limit > 0.0 && seconds_before_ + seconds_since(start_) >= limit;
+    return limit > 0.0 && memory_.is_new(memory_.num_told + 1) &&
+           seconds_before_ + seconds_since(start_) >= limit;
   }
 
   /// Looked at between batches only, so that it does not depend on jobs or interruptions.

@@ -33,13 +33,15 @@ namespace glint {
 
 /// When to stop; whatever comes first. All of it counts over resumes. At least one must be set.
 struct Budget {
-  int evaluations = 300;      ///< 0: no limit. Designs asked again cost nothing.
-  double wall_clock_s = 0.0;  ///< of searching, without the time between runs; 0: no limit
-  /// Evaluations, after those that the search or its epoch began with, without a design that is
-  /// better by more than its noise (is_surely_better()); with
-  /// several objectives without one that adds to the hypervolume: that beats, in some objective and
-  /// by more than noise, each design that added before, and adds more than the noise of what it
-  /// adds (by rules 6). 0: no limit.
+  int evaluations = 300;  ///< 0: no limit. Designs asked again cost nothing.
+  /// Of searching, without the time between runs; 0: no limit. What the search or its epoch began
+  /// with is evaluated in any case.
+  double wall_clock_s = 0.0;
+  /// Evaluations without a design that is better by more than its noise (is_surely_better()), of
+  /// those that the search or its epoch did not begin with. With several objectives without one
+  /// that adds to the hypervolume: that beats, in some objective and by more than noise, each
+  /// design that added before, and adds more than the noise of what it adds (by rules 6). 0: no
+  /// limit.
   int stall = 0;
   /// Objective that a feasible design has to reach; of one only. Of a noisy one the model has to
   /// expect it of the best design, where there is a model (by rules 6); it is asked when a design
@@ -64,19 +66,23 @@ enum class Termination {
 /// "evaluations", "wall_clock", "stall", "target", "interrupted", "exhausted", "failures"
 std::string_view termination_name(Termination termination);
 
+/// Whether the search has time left to evaluate designs again.
+enum class TimeLeft { kSome, kNone };
+
 /// Looks at a search between its batches: at all trials told so far, each with its outcome. Where
 /// their scores turn out to be wrong it returns a kEpoch event: all outcomes are withdrawn, the
 /// same points are asked first and evaluated again, and the algorithm begins anew with them. Must
 /// follow from the trials and from what the caller keeps, so that a resumed search decides alike; a
-/// review that is cut short by an interrupt returns nothing and is made again.
-using Review = std::function<std::optional<Event>(std::span<const Trial> told)>;
+/// review that is cut short by an interrupt returns nothing and is made again. So does one without
+/// time left, which only looks: a resumed search with a larger budget of time begins the epoch.
+using Review = std::function<std::optional<Event>(std::span<const Trial> told, TimeLeft left)>;
 
 /// How a design is rendered and with which random numbers, when it is evaluated now. Called from
 /// several threads when jobs > 1.
 using LabelOf = std::function<OutcomeLabel(const Point& point)>;
 
-/// What is searched, and how. All but budget, is_start_known, jobs, review and label belong into the
-/// study's config hash.
+/// What is searched, and how. All but budget, is_start_known, jobs, review and label belong into
+/// the study's config hash.
 struct SearchTask {
   SearchSpace space;
   SearchSettings settings;
@@ -84,10 +90,10 @@ struct SearchTask {
   Budget budget;
   std::vector<Point> start_points;  ///< evaluated first, in order
   /// Start points are trials of an earlier run, whose outcomes are known (but for the baseline's,
-  /// perhaps): all of them are told before stall or target can end the search.
+  /// perhaps): all of them are told before stall, target or time can end the search.
   bool is_start_known = false;
-  int jobs = 1;                     ///< evaluations at once; more than settings.batch has no use
-  ExactScores exact = {};           ///< what follows from a design alone
+  int jobs = 1;            ///< evaluations at once; more than settings.batch has no use
+  ExactScores exact = {};  ///< what follows from a design alone
   std::vector<std::string> steady = {};  ///< limited scores that noise does not move
   /// Compute every recorded ask again and compare it; false: of methods whose state follows from
   /// the record alone the last batch and some drawn ones.

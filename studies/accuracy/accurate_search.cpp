@@ -77,9 +77,9 @@ SearchResult search_accurately(const AccuracyTask& task,
     review.resume(storage);
     found.cpu_s = process_cpu_s() - start;
     log(LogLevel::kInfo, "the search is rendered by: {}", found.chosen->rungs().name());
-    result = search(*found.chosen, [&](std::span<const Trial> told) {
+    result = search(*found.chosen, [&](std::span<const Trial> told, TimeLeft left) {
       const double review_start = process_cpu_s();
-      std::optional<Event> event = review.review(told);
+      std::optional<Event> event = review.review(told, left);
       found.cpu_s += process_cpu_s() - review_start;
       return event;
     });

@@ -346,12 +346,12 @@ std::optional<CheckedDesign> SearchReview::confirmed(Part& part,
   return design;
 }
 
-std::optional<Event> SearchReview::review(std::span<const Trial> told) {
+std::optional<Event> SearchReview::review(std::span<const Trial> told, TimeLeft left) {
   try {
     for (;;) {
       check_up_to(told);
       const std::size_t branch = checked_.empty() ? 0 : checked_.back().branch;
-      if (checked_.empty() || checked_.back().beyond.empty() ||
+      if (left == TimeLeft::kNone || checked_.empty() || checked_.back().beyond.empty() ||
           !may_rise(chosen_.parts()[branch])) {
         return std::nullopt;
       }

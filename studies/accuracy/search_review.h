@@ -73,10 +73,11 @@ class SearchReview {
   /// is looked after as if it were a search of its own. By kPixelRules a design is looked at in
   /// random pixels first, and as a whole where these leave it in doubt, before any other one.
   /// @param told  trials of this epoch, by number
+  /// @param left  without time the checks are made and no epoch begins
   /// @return the epoch that begins when a design is beyond the bound and a dearer rung is left that
   ///         renders the designs of its trial; nothing when interrupted
   /// @throws IoError
-  std::optional<Event> review(std::span<const Trial> told);
+  std::optional<Event> review(std::span<const Trial> told, TimeLeft left = TimeLeft::kSome);
 
   const std::vector<CheckedDesign>& checked() const { return checked_; }  ///< of this epoch
 

@@ -71,7 +71,7 @@ SearchResult search_in_epochs(const TemporaryFolder& folder,
   RisingRung rung(storage);
   std::atomic<int> interrupt = 0;
   SearchTask task = task_of(algorithm);
-  task.review = [&](std::span<const Trial> told) { return rung.review(told); };
+  task.review = [&](std::span<const Trial> told, TimeLeft) { return rung.review(told); };
   SearchResult result = run_search(
       task,
       storage,
@@ -161,6 +161,68 @@ TEST(SearchEpoch, FixesTheReferenceOfSeveralObjectivesAnew) {
   EXPECT_EQ(last, result.trade_off->reference);
 }
 
+/// @param wall_clock_s  0: no limit. @param asked  how much time each review was told to be left
+SearchResult search_with_clock(const TemporaryFolder& folder,
+                               double wall_clock_s,
+                               std::vector<TimeLeft>* asked) {
+  Storage storage = Storage::open(folder / "s.sqlite", test::identity());
+  RisingRung rung(storage);
+  SearchTask task = task_of("bobyqa");
+  task.budget.wall_clock_s = wall_clock_s;
+  task.budget.evaluations = asked != nullptr ? kEvaluations : kReviewedAt + 1;
+  if (asked != nullptr) {
+    task.review = [&](std::span<const Trial> told, TimeLeft left) {
+      asked->push_back(left);
+      return left == TimeLeft::kSome ? rung.review(told) : std::nullopt;
+    };
+  }
+  return run_search(task, storage, [&](const Point& point, int) { return rung.evaluate(point); });
+}
+
+int count_epochs(const TemporaryFolder& folder) {
+  const std::vector<Event> events = Storage::read(folder / "s.sqlite").events();
+  return static_cast<int>(std::ranges::count(events, EventKind::kEpoch, &Event::kind));
+}
+
+// What is withdrawn when there is no time to evaluate it again would leave no answer.
+TEST(SearchEpoch, DoesNotBeginOutOfTime) {
+  const TemporaryFolder folder;
+  const double best = search_with_clock(folder, 0.0, nullptr).best->outcome->scores.at("loss");
+  Storage::open(folder / "s.sqlite", test::identity()).set_session_seconds(3600.0);
+  std::vector<TimeLeft> asked;
+  const SearchResult late = search_with_clock(folder, 60.0, &asked);
+  EXPECT_EQ(asked, std::vector{TimeLeft::kNone});
+  EXPECT_EQ(late.termination, Termination::kWallClock);
+  EXPECT_EQ(late.evaluations, kReviewedAt + 1);
+  ASSERT_TRUE(late.best);
+  EXPECT_EQ(late.best->outcome->scores.at("loss"), best);
+  EXPECT_EQ(count_epochs(folder), 0);
+  // With more time it goes on.
+  asked.clear();
+  EXPECT_EQ(search_with_clock(folder, 7200.0, &asked).evaluations, kEvaluations);
+  EXPECT_EQ(asked.front(), TimeLeft::kSome);
+  EXPECT_EQ(count_epochs(folder), 1);
+}
+
+// Killed among the evaluations that an epoch begins with, and out of time since: all of them are
+// made, and no other.
+TEST(SearchEpoch, EvaluatesAgainWhatItBeginsWithWhateverTheTime) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(search_in_epochs(folder, "bobyqa", kReviewedAt + 5).termination,
+            Termination::kInterrupted);
+  ASSERT_EQ(count_epochs(folder), 1);
+  Storage::open(folder / "s.sqlite", test::identity()).set_session_seconds(3600.0);
+  std::vector<TimeLeft> asked;
+  const SearchResult late = search_with_clock(folder, 60.0, &asked);
+  EXPECT_EQ(late.termination, Termination::kWallClock);
+  EXPECT_EQ(late.evaluations, kReviewedAt + 1);
+  double least = 1.0;
+  for (const Trial& trial : Storage::read(folder / "s.sqlite").trials(TrialKind::kSearch)) {
+    least = std::min(least, trial.outcome->scores.at("loss"));
+  }
+  EXPECT_EQ(late.best->outcome->scores.at("loss"), least);
+}
+
 TEST(SearchEpoch, NeverBegunLeavesTheSearchAsItWas) {
   const TemporaryFolder with_review;
   const TemporaryFolder without;
@@ -171,7 +233,7 @@ TEST(SearchEpoch, NeverBegunLeavesTheSearchAsItWas) {
     Storage storage = Storage::open(*folder / "s.sqlite", test::identity());
     SearchTask task = task_of("bobyqa");
     if (folder == &with_review) {
-      task.review = [](std::span<const Trial>) { return std::optional<Event>(); };
+      task.review = [](std::span<const Trial>, TimeLeft) { return std::optional<Event>(); };
     }
     run_search(task, storage, evaluate);
   }

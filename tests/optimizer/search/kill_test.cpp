@@ -97,7 +97,7 @@ SearchResult search_in(const TemporaryFolder& folder, const std::string& algorit
   int epoch = recorded_epochs(storage);
   SearchTask task = killable_task(algorithm);
   if (is_in_epochs) {
-    task.review = [&](std::span<const Trial> told) -> std::optional<Event> {
+    task.review = [&](std::span<const Trial> told, TimeLeft) -> std::optional<Event> {
       if (epoch > 0 || told.size() < kOfFirstEpoch) {
         return std::nullopt;
       }

@@ -36,7 +36,7 @@ void search_labelled(const TemporaryFolder& folder, const LabelledSearch& how) {
                      .goal = {.objective = {.name = "loss", .is_maximised = false}},
                      .budget = {.evaluations = kLabelledEvaluations}};
   if (how.has_epoch) {
-    task.review = [&](std::span<const Trial> told) -> std::optional<Event> {
+    task.review = [&](std::span<const Trial> told, TimeLeft) -> std::optional<Event> {
       if (epoch > 0 || told.size() < kInFirstRung) {
         return std::nullopt;
       }

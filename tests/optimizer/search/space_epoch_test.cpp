@@ -28,6 +28,7 @@ struct Part {
   bool is_wide = false;
   int reviewed_at = 1000;  ///< told designs with which outcomes turn out to be wrong, once
   int stall = 0;
+  double wall_clock_s = 0.0;
 };
 
 class Program {
@@ -44,10 +45,12 @@ class Program {
     SearchTask task = {.space = part.is_wide ? box(3, -0.5, 2.0) : box(3, 0.0, 1.0),
                        .settings = {.algorithm = algorithm_, .batch = 2},
                        .goal = {.objective = {.name = "loss", .is_maximised = false}},
-                       .budget = {.evaluations = part.evaluations, .stall = part.stall},
+                       .budget = {.evaluations = part.evaluations,
+                                  .wall_clock_s = part.wall_clock_s,
+                                  .stall = part.stall},
                        .start_points = start_points,
                        .verify_replay = verifies_};
-    task.review = [&](std::span<const Trial> told) -> std::optional<Event> {
+    task.review = [&](std::span<const Trial> told, TimeLeft) -> std::optional<Event> {
       if (!is_wrong || static_cast<int>(told.size()) < part.reviewed_at) {
         return std::nullopt;
       }
@@ -130,6 +133,20 @@ TEST(SpaceEpoch, ARunThatEndedByItsStallSearchesTheWiderSpace) {
     const SearchResult wide = program.run({.evaluations = 300, .is_wide = true, .stall = 6});
     EXPECT_GE(wide.evaluations, narrow.evaluations + 6) << algorithm;
   }
+}
+
+// A run that time has ended keeps its answer in the wider space.
+TEST(SpaceEpoch, OutOfTimeItTellsAllThatItBeginsWith) {
+  const TemporaryFolder folder;
+  Program program(folder, "bobyqa");
+  const SearchResult narrow = program.run({.evaluations = 20});
+  Storage::open(folder / "s.sqlite", identity("abc")).set_session_seconds(3600.0);
+  program.widen();
+  const SearchResult wide = program.run({.evaluations = 50, .is_wide = true, .wall_clock_s = 60.0});
+  EXPECT_EQ(wide.termination, Termination::kWallClock);
+  EXPECT_EQ(program.calls, 20);
+  ASSERT_TRUE(wide.best);
+  EXPECT_EQ(wide.best->number, narrow.best->number);
 }
 
 // The budget ended before all of them were asked.

@@ -73,9 +73,13 @@ struct Result {
   int evaluations = 0;          ///< in this process, of search and trial
 };
 
-/// A run in a folder, as that of studies/run. @param stop_at  the evaluation that an interrupt cuts
-///                                                   short; 0: none
-Result run_in(const TemporaryFolder& folder, int stop_at = 0, bool is_ever_wrong = true) {
+/// A run in a folder, as that of studies/run.
+/// @param stop_at  the evaluation that an interrupt cuts short; 0: none
+/// @param left     what its reviews are told
+Result run_in(const TemporaryFolder& folder,
+              int stop_at = 0,
+              bool is_ever_wrong = true,
+              TimeLeft left = TimeLeft::kSome) {
   write_file(folder / "study.toml", kStudy);
   const Study study = load_study(folder / "study.toml", {});
   ThreadPool pool(1);
@@ -101,7 +105,7 @@ Result run_in(const TemporaryFolder& folder, int stop_at = 0, bool is_ever_wrong
          .goal = study.goal,
          .budget = study.budget,
          .start_points = {baseline_point(study)},
-         .review = review,
+         .review = [&](std::span<const Trial> told, TimeLeft) { return review(told, left); },
          .label = [&](const Point&) { return searched_label(study, chosen.rung().name); }},
         storage,
         [&](const Point& point, int) {
@@ -160,6 +164,20 @@ TEST(SearchReview, RaisesTheRungWhereADesignIsBeyondTheBound) {
   EXPECT_EQ(result.check["epochs"].size(), 1U);
   EXPECT_THAT(result.check["sentence"].get<std::string>(),
               HasSubstr("evaluated again by \"direct light, 16 samples\""));
+}
+
+// What was found beyond its bound is told, and begins its epoch when there is time.
+TEST(SearchReview, WithoutTimeLeftItOnlyLooks) {
+  const TemporaryFolder folder;
+  const Result late = run_in(folder, 0, true, TimeLeft::kNone);
+  EXPECT_THAT(late.found.check->ended, IsEmpty());
+  EXPECT_EQ(late.search.evaluations, kEvaluations);
+  EXPECT_EQ(late.found.chosen->rung().paths.samples, kCoarse);
+  EXPECT_EQ(late.check["during"]["beyond"], 1);
+  EXPECT_THAT(late.check["sentence"].get<std::string>(), HasSubstr("The bounds do not hold here"));
+  const Result result = run_in(folder);
+  EXPECT_THAT(result.found.check->ended, SizeIs(1));
+  EXPECT_EQ(result.found.chosen->rung().paths.samples, 16);
 }
 
 /// "direct light, 8 samples": trials that have an outcome there.

@@ -51,11 +51,19 @@ double searched_merit(const RobustTask& task, const BuiltMerit& merit, const Tri
   return merit.of_objectives(scores);
 }
 
+/// A limited score may be infinite, of which no model can be fitted.
+bool can_be_modelled(const Goal& goal, const Trial& trial) {
+  return trial.outcome && !trial.outcome->is_failed &&
+         problem_with(goal, trial.outcome->scores).empty() &&
+         std::ranges::all_of(named_scores(goal), [&](const std::string& name) {
+           return std::isfinite(trial.outcome->scores.at(name));
+         });
+}
+
 std::vector<const Trial*> trials_to_model(const RobustTask& task) {
   std::vector<const Trial*> done;
   for (const Trial& trial : task.trials) {
-    if (trial.outcome && !trial.outcome->is_failed &&
-        problem_with(task.goal, trial.outcome->scores).empty()) {
+    if (can_be_modelled(task.goal, trial)) {
       done.push_back(&trial);
     }
   }

@@ -147,6 +147,25 @@ TEST(RobustOptimum, OfSeveralObjectivesIsTheCompromiseAsBuilt) {
   EXPECT_GT(found.probability, 0.99);
 }
 
+// As a contrast over a standard deviation of 0: it is judged, and no model is fitted to it.
+TEST(RobustOptimum, LeavesInfiniteScoresToTheLimits) {
+  Goal goal = kHighest;
+  goal.constraints = {{.name = "x", .max = 0.9}};
+  const auto f = [](const Point& p) {
+    Scores scores = two_peaks(p);
+    scores["x"] = p[0] > 0.9 ? std::numeric_limits<double>::infinity() : p[0];
+    return scores;
+  };
+  const SearchSpace space = box(2, 0.0, 1.0);
+  const std::vector<Trial> trials = trials_of(f);
+  const RobustTask task = {
+      .space = space, .goal = goal, .trials = trials, .offsets = offsets_within(0.05)};
+  Workshop workshop{.f = f, .offsets = task.offsets};
+  const auto found = find_robust_optimum(task, kNarrow, workshop.build());
+  ASSERT_NE(found->best, 0U);
+  EXPECT_NEAR(found->candidates[found->best].point[0], 0.7, 0.06);
+}
+
 TEST(RobustOptimum, EndsWhenItIsInterrupted) {
   const SearchSpace space = box(2, 0.0, 1.0);
   const std::vector<Trial> trials = trials_of(two_peaks);

@@ -44,22 +44,6 @@ double shortfall(std::span<const double> row, Ranges ranges, const FrontChoice& 
   return std::isfinite(largest) ? largest : 0.0;
 }
 
-/// What a rule makes small, first by the first number.
-std::array<double, 2> cost_of(std::span<const double> row,
-                              Ranges ranges,
-                              const FrontChoice& choice) {
-  const std::vector<double> parts = parts_of(row, ranges);
-  switch (choice.rule) {
-    case ChoiceRule::kWeights:
-      return {weighted_sum(parts, choice), 0.0};
-    case ChoiceRule::kAspirations:
-      return {std::max(0.0, shortfall(row, ranges, choice)), squared_distance(parts)};
-    case ChoiceRule::kKnee:
-      break;
-  }
-  return {squared_distance(parts), 0.0};
-}
-
 }  // namespace
 
 std::vector<ObjectiveRange> objective_ranges(Rows rows) {
@@ -84,11 +68,26 @@ std::vector<double> parts_of(std::span<const double> row, Ranges ranges) {
   return parts;
 }
 
+std::array<double, 2> choice_order(std::span<const double> row,
+                                   Ranges ranges,
+                                   const FrontChoice& choice) {
+  const std::vector<double> parts = parts_of(row, ranges);
+  switch (choice.rule) {
+    case ChoiceRule::kWeights:
+      return {weighted_sum(parts, choice), 0.0};
+    case ChoiceRule::kAspirations:
+      return {std::max(0.0, shortfall(row, ranges, choice)), squared_distance(parts)};
+    case ChoiceRule::kKnee:
+      break;
+  }
+  return {squared_distance(parts), 0.0};
+}
+
 std::size_t compromise_of(Rows front, Ranges ranges, const FrontChoice& choice) {
   std::size_t best = 0;
-  std::array<double, 2> least = cost_of(front[0], ranges, choice);
+  std::array<double, 2> least = choice_order(front[0], ranges, choice);
   for (std::size_t row = 1; row < front.size(); ++row) {
-    const std::array<double, 2> cost = cost_of(front[row], ranges, choice);
+    const std::array<double, 2> cost = choice_order(front[row], ranges, choice);
     if (cost < least) {
       best = row;
       least = cost;
@@ -101,7 +100,7 @@ double choice_cost(std::span<const double> row, Ranges ranges, const FrontChoice
   if (choice.rule == ChoiceRule::kAspirations) {
     return shortfall(row, ranges, choice);
   }
-  const double cost = cost_of(row, ranges, choice)[0];
+  const double cost = choice_order(row, ranges, choice)[0];
   return choice.rule == ChoiceRule::kKnee ? std::sqrt(cost) : cost;
 }
 

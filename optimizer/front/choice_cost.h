@@ -25,7 +25,15 @@ std::vector<ObjectiveRange> objective_ranges(std::span<const std::vector<double>
 /// In parts of the ranges; 0 where one has no width.
 std::vector<double> parts_of(std::span<const double> row, std::span<const ObjectiveRange> ranges);
 
-/// As compromise_of() of compromise.h. What is better than the best of a range counts as the best.
+/// What the rule makes small: first the first number, of equal ones the second. Of rows that reach
+/// every aspiration the first is 0, as which of them is taken is the knee's business.
+/// @param row  finite
+std::array<double, 2> choice_order(std::span<const double> row,
+                                   std::span<const ObjectiveRange> ranges,
+                                   const FrontChoice& choice);
+
+/// As compromise_of() of compromise.h: the first row whose choice_order() is the smallest. What is
+/// better than the best of a range counts as the best.
 std::size_t compromise_of(std::span<const std::vector<double>> front,
                           std::span<const ObjectiveRange> ranges,
                           const FrontChoice& choice);

@@ -205,7 +205,7 @@ void sort_kinds(const Goal& goal, std::vector<KindFinalist>& finalists) {
   const FrontChoice choice = front_choice_of(goal);
   std::ranges::stable_sort(finalists, {}, [&](const KindFinalist& one) {
     return std::pair(violation(goal, one.fresh),
-                     choice_cost(minimised_objectives(goal, one.fresh), ranges, choice));
+                     choice_order(minimised_objectives(goal, one.fresh), ranges, choice));
   });
 }
 

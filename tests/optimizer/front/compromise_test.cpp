@@ -74,6 +74,7 @@ TEST(Compromise, RangesMayComeFromElsewhere) {
   EXPECT_EQ(choice_cost(std::vector<double>{-5, -5}, ranges, {}), 0.0) << "better than the best";
   const FrontChoice hopes = {.rule = ChoiceRule::kAspirations, .aspirations = {14.0, {}}};
   EXPECT_NEAR(choice_cost(kFront[0], ranges, hopes), -0.1, 1e-12) << "reached, by 4 of 40";
+  EXPECT_EQ(choice_order(kFront[0], ranges, hopes)[0], 0.0) << "by how much does not count";
 }
 
 }  // namespace

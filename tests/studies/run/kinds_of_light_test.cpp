@@ -167,6 +167,39 @@ TEST(BestOfEachKind, OfSeveralObjectivesAreTheCompromisesOfTheirFronts) {
   EXPECT_EQ(on_front, result.at("front").size());
 }
 
+/// Areas of 1257, 200 and 1457 mm2, heights of 0, 4.5 and some 12 mm: all heights are within the
+/// aspiration, the ring's by most, and of what reaches it the knee is taken, the bar.
+TEST(BestOfEachKind, ByAspirationsAreInTheOrderInWhichTheyAreTaken) {
+  const TemporaryFolder folder;
+  std::string text = kKinds;
+  const std::size_t begin = text.find("[objective]");
+  text.replace(begin, text.find("[search]") - begin, R"([[objective]]
+minimise = "lighting.area_mm2"
+[[objective]]
+minimise = "lighting.height_mm"
+aspiration = 20
+[choice]
+by = "aspirations"
+)");
+  const Study study = study_in(folder, text);
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  std::vector<Trial> trials;
+  for (const double kind : {0.0, 1.0, 2.0}) {
+    trials.push_back({.number = static_cast<int>(kind) + 1,
+                      .point = {kind, 30.0},
+                      .outcome = Outcome{.scores = {{"lighting.area_mm2", 1.0 + kind},
+                                                    {"lighting.height_mm", 3.0 - kind}}}});
+  }
+  std::vector<std::string> order;
+  for (const Json& kind : best_of_each_kind(store, study, trials)) {
+    EXPECT_TRUE(kind["feasible"].get<bool>());
+    EXPECT_LT(kind["rescored"]["lighting.height_mm"].get<double>(), 20.0);
+    order.push_back(kind["lighting_use"].get<std::string>());
+  }
+  EXPECT_EQ(order, (std::vector<std::string>{"left", "ring", "ring+left"}));
+}
+
 TEST(BestOfEachKind, OfASearchWithoutKindsIsNothing) {
   const TemporaryFolder folder;
   std::string text = kKinds;

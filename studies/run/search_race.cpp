@@ -73,6 +73,25 @@ std::optional<std::size_t> kinds_in_race(const Study& study, const SearchResult&
              : std::nullopt;
 }
 
+/// Up to rounding, which counting steps from a variable's lower limit leaves.
+bool is_same_value(const ConfigNode& a, const ConfigNode& b) {
+  constexpr double kRounding = 1e-9;
+  if (a.is_number() && b.is_number()) {
+    return std::abs(a.number - b.number) <=
+           kRounding * std::max(std::abs(a.number), std::abs(b.number));
+  }
+  return a.kind == b.kind && a.boolean == b.boolean && a.text == b.text;
+}
+
+/// Whether a design is the baseline. A value of the file that its variable does not allow was moved
+/// into the space for the search: that is another design.
+bool is_baseline(const Study& study, const Point& point) {
+  const Overrides values = overrides_of(study, point);
+  return point == baseline_point(study) && std::ranges::all_of(values, [&](const auto& value) {
+           return is_same_value(value.second, *study.resolved.at_path(value.first));
+         });
+}
+
 std::vector<NamedEntrant> entrants_of(const Study& study,
                                       const std::vector<Trial>& trials,
                                       const SearchResult& search) {
@@ -88,7 +107,7 @@ std::vector<NamedEntrant> entrants_of(const Study& study,
                     .kinds = kinds_in_race(study, search)},
                     search.limits)) {
     const Point& point = trials[static_cast<std::size_t>(number - 1)].point;
-    has_baseline = has_baseline || point == canonical(study.space, baseline_point(study));
+    has_baseline = has_baseline || is_baseline(study, point);
     all.push_back(
         {.entrant = {.key = fmt::format("trial {}", number), .trial = number, .point = point},
          .key = fmt::format("trial_{:03}", number),

@@ -113,6 +113,60 @@ const NoisyRun& noisy_run(const std::string& text = kNoisyRing) {
   return at->second;
 }
 
+/// Of one finalist, in a small picture and without a prototype.
+std::string race_of_one() {
+  std::string text = kNoisyRing + "race = 1\n";
+  const std::size_t prototype = text.find("[prototypes.low]");
+  text.erase(prototype, text.find("[variables]") - prototype);
+  for (const auto& [key, value] : {std::pair{"width_px = 48", "width_px = 24"},
+                                   std::pair{"height_px = 32", "height_px = 16"},
+                                   std::pair{"object_pixel_mm = 0.2", "object_pixel_mm = 0.4"}}) {
+    text.replace(text.find(key), std::string(key).size(), value);
+  }
+  return text;
+}
+
+/// Who races where one design was searched: that which the study's file describes, as far as the
+/// space has it.
+std::set<std::string> entrants_beside_start(const std::string& text) {
+  const TemporaryFolder folder;
+  write_file(folder / "study.toml", text);
+  const Study study = load_study(folder / "study.toml", {});
+  Storage storage = Storage::open(folder / "study.sqlite", {.config_hash = "abc"});
+  const Trial start = {.number = 1,
+                       .point = baseline_point(study),
+                       .outcome = Outcome{.scores = {{"defects.min_weber", 0.1}}}};
+  storage.append(std::vector<Event>{{.kind = EventKind::kAsk, .trial = 1}}, std::vector{start});
+  SearchResult search = {.best = start, .is_feasible = true, .evaluations = 1};
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  const Json race = race_finalists(store, study, storage, search, nullptr);
+  std::set<std::string> keys;
+  for (const Json& row : race.at("entrants")) {
+    keys.insert(row.at("key").get<std::string>());
+  }
+  return keys;
+}
+
+/// A baseline of 50 mm is not the design at 40 mm that the search has in its place.
+TEST(SearchRace, ABaselineOutsideTheSpaceRacesBesideTheDesignInItsPlace) {
+  std::string text = race_of_one();
+  EXPECT_EQ(entrants_beside_start(text), (std::set<std::string>{"winner"}));
+  text.replace(text.find("height_mm = 30"), 14, "height_mm = 50");
+  EXPECT_EQ(entrants_beside_start(text), (std::set<std::string>{"winner", "baseline"}));
+}
+
+/// 0.1 + 2 * 0.1 is not 0.3, but for all that is rendered it is.
+TEST(SearchRace, ABaselineOnAStepOfTheSpaceIsTheDesignInItsPlace) {
+  std::string text = race_of_one();
+  const std::string height = "\"lighting.ring.height_mm\" = { min = 20, max = 40 }";
+  text.replace(text.find(height),
+               height.size(),
+               "\"material.roughness\" = { min = 0.1, max = 0.8, step = 0.1 }");
+  text.replace(text.find("roughness = 0.5"), 15, "roughness = 0.3");
+  EXPECT_EQ(entrants_beside_start(text), (std::set<std::string>{"winner"}));
+}
+
 /// The limit is of a score that noise does not move and that no scan of a winner repeats.
 TEST(SearchRace, ChoosesTheWinnerOfANoisySearch) {
   const NoisyRun& run =

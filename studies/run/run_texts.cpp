@@ -92,6 +92,21 @@ std::string baseline_title(const Study& study) {
   return fmt::format("Baseline ({})", join(light_titles(study.scene), ", "));
 }
 
+namespace {
+
+/// Of a trial's variable; empty where a condition leaves the file's own value in its place.
+std::string value_text(const SearchSpace& space, const Point& point, std::size_t index) {
+  if (!is_active(space, point, index)) {
+    return "";
+  }
+  const Variable& variable = space.variables[index];
+  return variable.kind == Variable::Kind::kChoice
+             ? variable.choices[static_cast<std::size_t>(point[index])]
+             : shortest(point[index]);
+}
+
+}  // namespace
+
 std::string trials_csv(const Study& study, const Storage& storage) {
   const std::vector<Trial> trials = storage.trials(TrialKind::kSearch);
   std::set<std::string> names;
@@ -120,10 +135,7 @@ std::string trials_csv(const Study& study, const Storage& storage) {
               : is_feasible(study.goal, outcome.scores) ? "true"
                                                         : "false"};
     for (std::size_t i = 0; i < trial.point.size(); ++i) {
-      const Variable& variable = study.space.variables[i];
-      fields.push_back(variable.kind == Variable::Kind::kChoice
-                           ? variable.choices[static_cast<std::size_t>(trial.point[i])]
-                           : shortest(trial.point[i]));
+      fields.push_back(value_text(study.space, trial.point, i));
     }
     for (const std::string& name : names) {
       const auto found = outcome.scores.find(name);

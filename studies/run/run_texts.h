@@ -33,7 +33,8 @@ std::string changes_text(const std::vector<std::string>& changes);
 /// "Baseline"; "Baseline (ring)" where designs without a search stand beside it under other lights.
 std::string baseline_title(const Study& study);
 
-/// All trials of a search with variables and scores, as CSV.
+/// All trials of a search with variables and scores, as CSV. The field of a variable whose
+/// condition does not hold is empty: such a design has the file's own value.
 std::string trials_csv(const Study& study, const Storage& storage);
 
 /// The report reads a run's folder, result.json too; the verdict that it comes to belongs in there.

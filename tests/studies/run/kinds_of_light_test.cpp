@@ -17,6 +17,7 @@
 #include "studies/definition/render_methods.h"
 #include "studies/evaluation/evaluation.h"
 #include "studies/run/run.h"
+#include "studies/run/run_texts.h"
 #include "studies/run/study_search.h"
 #include "tests/studies/imaging/path_support.h"
 #include "tests/support/temporary_folder.h"
@@ -198,6 +199,21 @@ by = "aspirations"
     order.push_back(kind["lighting_use"].get<std::string>());
   }
   EXPECT_EQ(order, (std::vector<std::string>{"left", "ring", "ring+left"}));
+}
+
+/// A bar has no height of the ring: what stands in the point is the middle of the range.
+TEST(TrialsCsv, HasNoValuesOfInactiveVariables) {
+  const TemporaryFolder folder;
+  const Study study = study_in(folder, kKinds);
+  Storage storage = Storage::open(folder / "s.sqlite", {.config_hash = "abc"});
+  storage.append(
+      std::vector<Event>{{.kind = EventKind::kAsk, .trial = 1},
+                         {.kind = EventKind::kAsk, .trial = 2}},
+      std::vector<Trial>{{.number = 1, .point = {0.0, 25.0}}, {.number = 2, .point = {1.0, 30.0}}});
+  EXPECT_EQ(trials_csv(study, storage),
+            "trial,state,feasible,lighting_use,lighting.ring.height_mm,message\n"
+            "1,asked,,ring,25,\n"
+            "2,asked,,left,,\n");
 }
 
 TEST(BestOfEachKind, OfASearchWithoutKindsIsNothing) {

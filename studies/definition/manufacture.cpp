@@ -115,4 +115,15 @@ std::vector<Tolerance> read_tolerances(const Study& study, std::vector<Problem>&
   return tolerances;
 }
 
+void check_has_tolerances(const Study& study) {
+  const ConfigNode* table = study.root.find("manufacture");
+  if (table != nullptr && table->names.empty()) {
+    throw_if_any({{.kind = Problem::Kind::kRelation,
+                   .place = table->place,
+                   .key = "manufacture",
+                   .text = "is empty, must name what cannot be built exactly: \"path.to.key\" = { "
+                           "plus_minus = number > 0 }"}});
+  }
+}
+
 }  // namespace glint

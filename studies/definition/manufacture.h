@@ -26,4 +26,9 @@ ConfigNode moved_value(const ConfigNode& node, double value);
 ///                not above 0, not whole for an integer or beyond the key's range
 std::vector<Tolerance> read_tolerances(const Study& study, std::vector<Problem>& errors);
 
+/// Of a study that is checked or begins a run. Runs of programs that took an empty table can still
+/// be read and go on.
+/// @throws ConfigError for a table without any key
+void check_has_tolerances(const Study& study);
+
 }  // namespace glint

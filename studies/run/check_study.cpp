@@ -14,6 +14,7 @@
 #include "core/text.h"
 #include "studies/accuracy/accurate_search.h"
 #include "studies/accuracy/budget_note.h"
+#include "studies/definition/manufacture.h"
 #include "studies/front/front_designs.h"
 #include "studies/imaging/defect_windows.h"
 #include "studies/imaging/path_warnings.h"
@@ -245,6 +246,7 @@ class Check {
   Json execute() {
     step("tracing rays");
     check_everything(store_, study_);
+    check_has_tolerances(study_);
     check_accuracy_choice(study_, false);
     variables_.read_ends();
     choose_rung();

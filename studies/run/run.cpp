@@ -14,6 +14,7 @@
 #include "core/wall_clock.h"
 #include "studies/accuracy/accurate_search.h"
 #include "studies/accuracy/outcome_labels.h"
+#include "studies/definition/manufacture.h"
 #include "studies/definition/study_text.h"
 #include "studies/front/front_files.h"
 #include "studies/front/front_run.h"
@@ -55,6 +56,9 @@ class Run {
     check_result_folder(options_.out, ResultKind::kRun, names);
     check_inputs_kept(input_files(study_), options_.out, names);
     check_everything(store_, study_);
+    if (!fs::exists(options_.out / "study.sqlite")) {
+      check_has_tolerances(study_);
+    }
     const TakenTrials taken = trials_to_take(study_, options_.from, options_.out);
     check_accuracy_choice(study_, !options_.from.empty());
     OutputFolder folder(options_.out);

@@ -147,12 +147,14 @@ void BuiltDesigns::ask(const std::vector<Point>& points) {
   storage_.append(events, trials);
 }
 
-/// Some at once, each on a thread of its own, as a search does.
+/// Some at once, each on a thread of its own, as a search does. Tolerances of integers give the
+/// same point more than once.
 void BuiltDesigns::evaluate_all(const std::vector<Point>& points) {
   ask(points);
   std::vector<Trial*> missing;
   for (const Point& point : points) {
-    if (Trial& trial = known_.at(point); !trial.outcome) {
+    Trial& trial = known_.at(point);
+    if (!trial.outcome && std::ranges::find(missing, &trial) == missing.end()) {
       missing.push_back(&trial);
     }
   }

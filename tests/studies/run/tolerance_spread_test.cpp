@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/thread_pool.h"
+#include "optimizer/storage/sqlite.h"
 #include "studies/definition/manufacture.h"
 #include "studies/definition/study_text.h"
 #include "studies/run/check_study.h"
@@ -123,6 +124,47 @@ TEST(ToleranceSpread, OfAnIntegerIsOfWholeNumbers) {
     ASSERT_TRUE(scores[k].has_value());
     EXPECT_EQ(scores[k]->at("lighting.leds"), 24.0 + built.variable_offsets()[k].at(1));
   }
+}
+
+// Of the 64 three differ: each is evaluated once, by one thread.
+TEST(ToleranceSpread, EqualBuiltDesignsAreEvaluatedOnce) {
+  const TemporaryFolder folder;
+  std::string text = kSearch;
+  text.replace(text.find("height_mm = 30"), 14, "height_mm = 30\nleds = 24\nled_diameter_mm = 2");
+  write_file(folder / "study.toml",
+             text + "[manufacture]\n\"lighting.ring.leds\" = { plus_minus = 1 }\n");
+  const Study study = load_study(folder / "study.toml", {});
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  BuiltDesigns built(store, study, identity_of(study), folder.path(), {}, 2);
+  EXPECT_EQ(built.build({{40.0, 0.15}}, 0, kToleranceDesigns).at(0).size(), 64U);
+  EXPECT_EQ(Storage::read(folder / kBuiltTrials).trials(TrialKind::kSearch).size(), 3U);
+  Database record(folder / kBuiltTrials, Database::Access::kReadOnly);
+  EXPECT_EQ(record.integer("SELECT count(*) FROM evaluation"), 3);
+}
+
+// Programs before took it: a run that they began is not refused for it.
+TEST(ToleranceSpread, AnEmptyTableBeginsNoRun) {
+  const TemporaryFolder folder;
+  const Study study = study_of(folder, "[manufacture]\n");
+  EXPECT_THROW(check_study(study, {.threads = 1}), ConfigError);
+  const auto refused = [&] {
+    try {
+      run_study(study,
+                {.out = folder / "run",
+                 .threads = 1,
+                 .jobs = 1,
+                 .progress = Progress::Style::kNone,
+                 .log_file = {}});
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(refused(), HasSubstr("manufacture: is empty, must name"));
+  std::filesystem::create_directories(folder / "run");
+  Storage::open(folder / "run/study.sqlite", {.config_hash = "of another study"});
+  EXPECT_THAT(refused(), HasSubstr("another study"));
 }
 
 // An inner radius of 15 +- 12 mm is no ring from the outer radius of 25 mm on: one of 12.

@@ -13,6 +13,7 @@
 #include "optimizer/algorithm/merit.h"
 #include "studies/definition/study_text.h"
 #include "studies/output/provenance.h"
+#include "studies/output/result_folder.h"
 #include "studies/run/begun_study.h"
 
 namespace glint {
@@ -117,11 +118,40 @@ void check_budget(const Study& study, const TakenTrials& taken) {
   }
 }
 
+/// Also of "out/gear/" and ".".
+std::string folder_name(const fs::path& folder) {
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
+/// What keep_taken() has noted of where the trials are from, seen from the run's folder; empty: a
+/// program before did not.
+std::string recorded_source(const fs::path& out) {
+  const std::vector<Event> events = Storage::read(out / kTakenTrials).events();
+  const auto note = std::ranges::find(events, EventKind::kNote, &Event::kind);
+  return note != events.end() ? note->text : std::string();
+}
+
+/// A recorded folder that is gone counts as renamed or moved, as sources of results do.
+void check_begun_with(const fs::path& from, const fs::path& out) {
+  const std::string recorded = recorded_source(out);
+  std::error_code ignored;
+  if (recorded.empty() || recorded == source_seen_from(out, from) ||
+      !fs::exists(out / recorded, ignored) || fs::equivalent(out / recorded, from, ignored)) {
+    return;
+  }
+  throw refusal(from,
+                fmt::format("the run in {} has begun with the trials of {}; give another folder "
+                            "with --out",
+                            out.string(),
+                            (out / recorded).lexically_normal().string()));
+}
+
 std::string note_of(const TakenTrials& taken) {
   const std::string note = fmt::format("begins with {} of the {} trials of {}",
                                        taken.trials.size(),
                                        taken.found,
-                                       taken.from.filename().string());
+                                       folder_name(taken.from));
   return taken.made_by.empty() ? note : note + ", which Glint " + taken.made_by + " evaluated";
 }
 
@@ -174,11 +204,12 @@ void keep_taken(const Study& study,
   fs::remove(unfinished);
   {
     Storage copy = Storage::open(unfinished, identity_of(study));
-    std::vector<Event> asks;
+    std::vector<Event> events = {
+        {.kind = EventKind::kNote, .text = source_seen_from(out, taken.from)}};
     for (const Trial& trial : taken.trials) {
-      asks.push_back({.kind = EventKind::kAsk, .trial = trial.number});
+      events.push_back({.kind = EventKind::kAsk, .trial = trial.number});
     }
-    copy.append(asks, taken.trials);
+    copy.append(events, taken.trials);
     for (const Trial& trial : taken.trials) {
       copy.record(TrialKind::kSearch, trial.number, *trial.outcome);
     }
@@ -196,7 +227,11 @@ void keep_taken(const Study& study,
 }
 
 TakenTrials trials_to_take(const Study& study, const fs::path& from, const fs::path& out) {
-  if (from.empty() || fs::exists(out / kTakenTrials)) {
+  if (from.empty()) {
+    return {};
+  }
+  if (fs::exists(out / kTakenTrials)) {
+    check_begun_with(from, out);
     return {};
   }
   const fs::path database = out / "study.sqlite";

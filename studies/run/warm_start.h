@@ -35,7 +35,8 @@ struct TakenTrials {
 TakenTrials trials_from(const Study& study, const std::filesystem::path& run);
 
 /// The same for a run that is to begin with --from; empty without it, and where the run's folder
-/// has its trials already. @throws ConfigError also when that run has begun without them
+/// has its trials already. @throws ConfigError also when that run has begun without them, or with
+/// those of another folder that is still there
 TakenTrials trials_to_take(const Study& study,
                            const std::filesystem::path& from,
                            const std::filesystem::path& out);

@@ -232,6 +232,33 @@ TEST(WarmStart, RefusesWhatMeansSomethingElse) {
   EXPECT_THROW(run_into(folder, kWider, "first", first), ConfigError) << "it has begun";
 }
 
+// Which are in its folder already: those of another run would be left out without a word.
+TEST(WarmStart, ARunThatHasBegunWithAnotherRunIsRefused) {
+  const TemporaryFolder folder;
+  const auto first = first_in(folder);
+  const auto second = first_in(folder, "second");
+  const Study study = study_from_text(folder, kWider);
+  const auto out = folder / "out";
+  std::filesystem::create_directories(out);
+  {
+    Storage storage = Storage::open(out / "study.sqlite", {.config_hash = "abc"});
+    keep_taken(study, trials_from(study, first / ""), out, storage);
+    EXPECT_EQ(storage.events().front().text, "begins with 12 of the 12 trials of first");
+  }
+  EXPECT_TRUE(trials_to_take(study, first, out).trials.empty());
+  EXPECT_TRUE(trials_to_take(study, first / "", out).trials.empty());
+  try {
+    trials_to_take(study, second, out);
+    ADD_FAILURE() << "it has begun with the first";
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("has begun with the trials of " + first.string()));
+  }
+  std::filesystem::remove_all(first);
+  EXPECT_TRUE(trials_to_take(study, first, out).trials.empty()) << "the same, though it is gone";
+  // It may have been renamed.
+  EXPECT_TRUE(trials_to_take(study, second, out).trials.empty());
+}
+
 // A refusal leaves the run as it was, also where the study would have widened its space.
 TEST(WarmStart, ARunThatHasBegunWithoutIsRefusedBeforeItsSpaceIsWidened) {
   const TemporaryFolder folder;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <span>
@@ -61,6 +62,42 @@ Storage open_added(const Study& study, const fs::path& run) {
     }
   }
   return Storage::open(database, identity);
+}
+
+/// The rungs that added designs of a run with [accuracy] were rendered by. Empty: a program before
+/// did not note them, and they count as rendered as the search is.
+std::string recorded_rungs(const Storage& added) {
+  std::string recorded;
+  for (const Event& event : added.events()) {
+    recorded = event.kind == EventKind::kEpoch ? event.text : recorded;
+  }
+  return recorded;
+}
+
+/// Withdraws designs of rungs that the search has left since.
+void begin_with_rungs(const SearchRungs& rungs, Storage& added) {
+  const std::string recorded = recorded_rungs(added);
+  const Event event = {.kind = EventKind::kEpoch, .text = rungs.name()};
+  if (recorded.empty()) {
+    added.append(std::vector<Event>{event});
+  } else if (recorded != event.text) {
+    added.begin_epoch(event);
+  }
+}
+
+/// Those with an outcome that is as the search's own are rendered.
+std::vector<Trial> added_designs(const Study& study, const fs::path& run) {
+  if (!fs::exists(run / kAddedDesigns)) {
+    return {};
+  }
+  const Storage storage = Storage::read(run / kAddedDesigns);
+  const std::string recorded = study.accuracy ? recorded_rungs(storage) : std::string();
+  if (!recorded.empty() && recorded != rungs_of_run(study, run)->name()) {
+    return {};
+  }
+  std::vector<Trial> added = storage.trials(TrialKind::kSearch);
+  std::erase_if(added, [](const Trial& trial) { return !trial.outcome; });
+  return added;
 }
 
 /// A failed design is data: the others go on.
@@ -150,6 +187,9 @@ int add_designs(const fs::path& run, const AddOptions& options) {
   const Study study = searched_study(run);
   const std::optional<SearchRungs> rungs = rungs_of_run(study, run);
   Storage storage = open_added(study, run);
+  if (rungs) {
+    begin_with_rungs(*rungs, storage);
+  }
   std::map<int, Trial> known;
   for (const Trial& trial : storage.trials(TrialKind::kSearch)) {
     known[trial.number] = trial;
@@ -187,15 +227,7 @@ Json analyse_run(const fs::path& run) {
   std::vector<Trial> trials = Storage::read(run / "study.sqlite").trials(TrialKind::kSearch);
   std::erase_if(trials, [](const Trial& trial) { return !trial.outcome; });
   const std::size_t num_searched = trials.size();
-  std::size_t added = 0;
-  if (fs::exists(run / kAddedDesigns)) {
-    for (Trial& trial : Storage::read(run / kAddedDesigns).trials(TrialKind::kSearch)) {
-      if (trial.outcome) {
-        trials.push_back(std::move(trial));
-        ++added;
-      }
-    }
-  }
+  std::ranges::move(added_designs(study, run), std::back_inserter(trials));
   std::vector<FittedScore> fitted;
   for (const std::string& name : named_scores(study.goal)) {
     fitted.push_back(fit_score(study.space, trials, name));
@@ -206,7 +238,7 @@ Json analyse_run(const fs::path& run) {
   for (const FittedScore& one : fitted) {
     scores.push_back(analysis_json(study.space, analyse_score(study.space, one, best)));
   }
-  return {{"added", added}, {"scores", scores}};
+  return {{"added", trials.size() - num_searched}, {"scores", scores}};
 }
 
 }  // namespace glint

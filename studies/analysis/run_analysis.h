@@ -18,14 +18,15 @@ struct AddOptions {
 };
 
 /// Evaluates space-filling designs until the run's analysis has `count`: the first ones of a Sobol
-/// sequence, each recorded when it is done, so that a killed call goes on where it ended. The run's
-/// own trials stay as they are.
+/// sequence, each recorded when it is done, so that a killed call goes on where it ended. Those of
+/// rungs that the search has left since ([accuracy]) are evaluated again. The run's own trials stay
+/// as they are.
 /// @return how many were evaluated now
 /// @throws ConfigError when the run has searched nothing; IoError
 int add_designs(const std::filesystem::path& run, const AddOptions& options);
 
 /// Of the run's trials and added designs: {
-///   added         number of added designs that were evaluated
+///   added         number of added designs that were evaluated, by the rungs of the search
 ///   scores        [ { score, q2, noise, points, left_out, without, wanted,
 ///     branches    [ { name, q2, points, is_enough, wanted, reason,
 ///       importance  [ { variable, first, first_low, first_high, total, total_low, total_high } ]

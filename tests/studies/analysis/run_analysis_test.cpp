@@ -11,6 +11,7 @@
 #include "core/file.h"
 #include "optimizer/algorithm/sobol.h"
 #include "optimizer/storage/storage.h"
+#include "studies/accuracy/tried_designs.h"
 #include "studies/analysis/fitted_score.h"
 #include "studies/run/begun_study.h"
 #include "studies/run/run.h"
@@ -131,6 +132,37 @@ TEST(RunAnalysis, UnderNoiseShowsTheRunsOwnAnswer) {
     EXPECT_NEAR(
         response.at("best").at(k).get<double>(), fitted.model.predict(through_answer).mean, 1e-9);
   }
+}
+
+/// The folder of a run that is rendered by this step of the study's ladder.
+void write_rung(const std::filesystem::path& run, const Study& study, std::size_t step) {
+  Json result = {{"schema", 1}};
+  result["accuracy"]["rung"] = search_ladder(study)[step].name;
+  write_file(run / "result.json", result.dump());
+}
+
+// A resumed search may have raised its rung after designs were added.
+TEST(RunAnalysis, DesignsOfARungThatTheSearchHasLeftAreEvaluatedAgain) {
+  const TemporaryFolder folder;
+  const std::filesystem::path& run = folder.path();
+  write_file(run / "study.resolved.toml",
+             kSearch + "[accuracy]\nkeep = [\"render.method\"]\ntolerance = \"auto\"\n");
+  const Study study = load_study(run / "study.resolved.toml", {});
+  write_noisy_run(run, bright_trials(study));
+  write_rung(run, study, 0);
+  EXPECT_EQ(add_designs(run, added(2)), 2);
+  EXPECT_EQ(add_designs(run, added(3)), 1);
+  const auto coarse = Storage::read(run / kAddedDesigns).trials(TrialKind::kSearch);
+  EXPECT_EQ(analyse_run(run)["added"], 3);
+  write_rung(run, study, 1);
+  EXPECT_EQ(analyse_run(run)["added"], 0) << "two rungs are not to be mixed";
+  EXPECT_EQ(add_designs(run, added(2)), 2);
+  EXPECT_EQ(analyse_run(run)["added"], 2);
+  EXPECT_EQ(add_designs(run, added(3)), 1);
+  EXPECT_EQ(add_designs(run, added(3)), 0);
+  const auto fine = Storage::read(run / kAddedDesigns).trials(TrialKind::kSearch);
+  EXPECT_EQ(fine[1].point, coarse[1].point);
+  EXPECT_NE(fine[1].outcome->scores, coarse[1].outcome->scores);
 }
 
 TEST(RunAnalysis, RefusesAFolderWithoutASearch) {

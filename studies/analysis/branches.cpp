@@ -222,6 +222,16 @@ double Branch::num_values_of(const SearchSpace& space, std::size_t k) const {
                            : static_cast<double>(values[k].size());
 }
 
+std::vector<double> Branch::units_of_values(const SearchSpace& space, std::size_t k) const {
+  const auto count = static_cast<std::size_t>(num_values_of(space, k));
+  std::vector<double> units;
+  for (std::size_t value = 0; value < count; ++value) {
+    units.push_back(values[k].empty() ? unit_of_value(space, free[k], value)
+                                      : middle_of_cell(value, count));
+  }
+  return units;
+}
+
 Point Branch::point_at(const SearchSpace& space, std::span<const double> free_unit) const {
   std::vector<double> all = unit;
   for (std::size_t k = 0; k < free.size(); ++k) {

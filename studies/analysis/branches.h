@@ -27,6 +27,9 @@ struct Branch {
   std::vector<double> unit_of(const SearchSpace& space, const Point& point) const;
   /// How many values free variable k can take here; infinity for floats without a step.
   double num_values_of(const SearchSpace& space, std::size_t k) const;
+  /// Coordinates of free variable k at which point_at() gives its values here, each once, in their
+  /// order. @param k  with finitely many values
+  std::vector<double> units_of_values(const SearchSpace& space, std::size_t k) const;
 };
 
 /// Variables that conditions look at, in order.

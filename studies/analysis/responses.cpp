@@ -18,17 +18,25 @@ constexpr int kMapOthers = 32;
 constexpr std::uint64_t kSeed = 79;
 constexpr double kNormalQuantile = 1.959964;
 
-/// Places in the unit interval: ends included, or one for each value where there are few.
-std::vector<double> places_along(double values, std::size_t most) {
-  std::vector<double> places;
-  if (values <= static_cast<double>(most)) {
-    for (int k = 0; k < static_cast<int>(values); ++k) {
-      places.push_back((k + 0.5) / values);
-    }
-    return places;
+/// Places in the unit interval along free variable k: one for each value where there are few; else
+/// even ones, ends included, of which a logarithmic integer gives its small values but once.
+std::vector<double> places_along(const SearchSpace& space,
+                                 const Branch& branch,
+                                 std::size_t k,
+                                 std::size_t most) {
+  if (branch.num_values_of(space, k) <= static_cast<double>(most)) {
+    return branch.units_of_values(space, k);
   }
-  for (std::size_t k = 0; k < most; ++k) {
-    places.push_back(static_cast<double>(k) / static_cast<double>(most - 1));
+  std::vector<double> places;
+  std::vector<double> unit(branch.free.size(), 0.5);
+  double last = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t place = 0; place < most; ++place) {
+    unit[k] = static_cast<double>(place) / static_cast<double>(most - 1);
+    const double value = branch.point_at(space, unit)[branch.free[k]];
+    if (value != last) {
+      places.push_back(unit[k]);
+    }
+    last = value;
   }
   return places;
 }
@@ -63,7 +71,7 @@ Band ResponseModel::average_at(const std::vector<double>& place, int count) cons
 Response ResponseModel::over(std::size_t k) const {
   Response response = {.variable = branch_.free[k], .at = {}, .average = {}, .at_best = {}};
   std::vector<double> place(branch_.free.size(), std::numeric_limits<double>::quiet_NaN());
-  for (const double unit : places_along(branch_.num_values_of(space_, k), kPlaces)) {
+  for (const double unit : places_along(space_, branch_, k, kPlaces)) {
     place[k] = unit;
     response.average.push_back(average_at(place, kOthers));
     std::vector<double> at_middle(branch_.free.size(), 0.5);
@@ -93,12 +101,12 @@ ResponseMap ResponseModel::over_pair(std::span<const Importance> importance) con
       .x = branch_.free[x], .y = branch_.free[y], .at_x = {}, .at_y = {}, .values = {}};
   std::vector<double> middle(branch_.free.size(), 0.5);
   std::vector<double> place(branch_.free.size(), std::numeric_limits<double>::quiet_NaN());
-  const std::vector<double> along_x = places_along(branch_.num_values_of(space_, x), kMapPlaces);
+  const std::vector<double> along_x = places_along(space_, branch_, x, kMapPlaces);
   for (const double at_x : along_x) {
     middle[x] = at_x;
     map.at_x.push_back(branch_.point_at(space_, middle)[map.x]);
   }
-  for (const double at_y : places_along(branch_.num_values_of(space_, y), kMapPlaces)) {
+  for (const double at_y : places_along(space_, branch_, y, kMapPlaces)) {
     middle[y] = at_y;
     map.at_y.push_back(branch_.point_at(space_, middle)[map.y]);
     for (const double at_x : along_x) {

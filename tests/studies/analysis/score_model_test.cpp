@@ -298,5 +298,24 @@ TEST(AnalyseScore, NeedsNoEvidenceForEachValueOfAConditionsVariable) {
   EXPECT_THAT(others.responses[0].at, testing::ElementsAre(1, 2, 3, 5, 6, 7, 8, 9, 10));
 }
 
+// Logarithmic values have cells of other widths: (k + 0.5) / 15 gives 2 three times and never 16.
+TEST(AnalyseScore, ResponsesHaveEveryValueOfALogarithmicInteger) {
+  const SearchSpace space = {
+      {{.name = "n", .kind = Kind::kInteger, .low = 2.0, .high = 16.0, .is_log = true},
+       {.name = "m", .kind = Kind::kInteger, .low = 1.0, .high = 10.0, .is_log = true}}};
+  const auto trials = evaluated(space, 40, [](const Point& p, int) { return 2.0 * p[0] + p[1]; });
+  const ScoreAnalysis analysis = analyse_score(space, kGoal, trials, "y");
+  const BranchAnalysis& branch = analysis.branches[0];
+  ASSERT_TRUE(branch.evidence.is_enough()) << branch.evidence.reason();
+  const auto is_counted = testing::ElementsAre(2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
+  EXPECT_THAT(branch.responses[0].at, is_counted);
+  EXPECT_THAT(branch.responses[1].at, testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
+  ASSERT_TRUE(branch.map);
+  EXPECT_THAT(branch.map->at_y, testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
+  // 15 values are too many here: of 13 even places the first three are 2, and two are 3.
+  EXPECT_THAT(branch.map->at_x, testing::ElementsAre(2, 3, 4, 5, 6, 7, 9, 11, 14, 16));
+  EXPECT_EQ(branch.map->values.size(), branch.map->at_x.size() * 10);
+}
+
 }  // namespace
 }  // namespace glint

@@ -99,6 +99,7 @@ RealDesign read_real_design(const std::string& name, const fs::path& folder) {
   RealDesign design = {.name = name, .folder = folder};
   for (const CompareSource& source : compare_sources(folder)) {
     design.views.push_back({.name = source.name, .picture = source.picture});
+    design.is_by_render = source.is_rendered() && source.picture.stem() == "image";
   }
   return design;
 }

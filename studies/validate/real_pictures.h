@@ -39,6 +39,7 @@ struct RealDesign {
   std::filesystem::path calibration =
       {};  ///< calibration.toml that they were taken by; empty: none
   bool is_of_twin = false;
+  bool is_by_render = false;       ///< views of `glint render`, at sensor.exposure in any case
   std::vector<RealView> views;     ///< at least one
   std::vector<std::string> notes;  ///< what was left out
 };

@@ -22,6 +22,7 @@
 #include "studies/compare/camera/scene_camera.h"
 #include "studies/definition/scene_file.h"
 #include "studies/evaluation/evaluation.h"
+#include "studies/imaging/scene_picture.h"
 #include "studies/validate/common_exposure.h"
 #include "studies/validate/validate_result.h"
 #include "studies/validate/validated_scene.h"
@@ -297,6 +298,20 @@ Json orders_json(const Goal& goal, std::vector<RescoredDesign>& designs) {
   return {{"objectives", objectives}, {"text", told.empty() ? "" : text}};
 }
 
+/// Of the pictures that the cell takes at the exposure of the design, which is found without the
+/// refit. Empty: it cannot be scored.
+Scores scores_after(SceneStore& store,
+                    const RescoredDesign& design,
+                    const DesignRefit& refit,
+                    const Goal& goal) {
+  try {
+    const SceneSettings exposed = with_equal_exposure(store, design.scene);
+    return scores_of(store, refitted_scene(exposed, refit, design.name), goal);
+  } catch (const ConfigError&) {  // why it has no exposure is told by the score before the refit
+    return {};
+  }
+}
+
 Json rescored_json(const Study& study, const std::vector<RescoredDesign>& designs) {
   const bool is_maximised = study.goal.objective.is_maximised;
   const auto before = order_of(designs, &RescoredDesign::before, is_maximised);
@@ -368,9 +383,8 @@ Json rescore_designs(SceneStore& store,
   }
   add_trials(study, run, designs);
   for (RescoredDesign& design : designs) {
-    const SceneSettings refitted = refitted_scene(design.scene, refit, design.name);
     design.scores_before = scores_of(store, design.scene, study.goal);
-    design.scores_after = scores_of(store, refitted, study.goal);
+    design.scores_after = scores_after(store, design, refit, study.goal);
   }
   if (has_several_objectives(study.goal)) {
     return orders_json(study.goal, designs);

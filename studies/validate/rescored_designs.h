@@ -33,6 +33,7 @@ struct DesignRefit {
 DesignRefit refit_of(const ValidationFindings& findings, const GeometryBudget& budget);
 
 /// The scene of a design with the refit put in: exposure, roughness, blur, lights, the part's pose.
+/// @param scene   exposed as its pictures are: exposed_as_acquired()
 /// @param design  its name
 SceneSettings refitted_scene(const SceneSettings& scene,
                              const DesignRefit& refit,

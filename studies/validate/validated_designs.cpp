@@ -164,6 +164,7 @@ class Finder {
     auto real = read_real_design(name, folder);
     ValidatedDesign design = {.name = name, .nominal = std::move(nominal), .real = std::move(real)};
     sources_.notes.insert(sources_.notes.end(), design.real.notes.begin(), design.real.notes.end());
+    take_exposure(design);
     design.scene = design.nominal;
     const fs::path calibration = calibration_.empty() ? design.real.calibration : calibration_;
     if (!calibration_.empty() || tells_camera(calibration)) {
@@ -175,6 +176,14 @@ class Finder {
     design.nominal_views = viewpoints_of_pictures(design.real, design.nominal, listed);
     design.views = viewpoints_of_pictures(design.real, design.scene, listed);
     sources_.designs.push_back(std::move(design));
+  }
+
+  /// All views of a design have one exposure.
+  void take_exposure(ValidatedDesign& design) {
+    if (design.real.is_by_render) {
+      design.nominal.expose_to = 0.0;
+    }
+    design.nominal = exposed_as_acquired(store_, design.nominal, design.name, sources_.notes);
   }
 
   /// Pictures that another prototype or power was seen by, as of an earlier winner, are none of

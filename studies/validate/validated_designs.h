@@ -16,7 +16,7 @@ namespace glint {
 
 struct ValidatedDesign {
   std::string name;
-  SceneSettings nominal;  ///< as the run has it
+  SceneSettings nominal;  ///< as the run has it, exposed as the pictures are
   SceneSettings scene;    ///< with the calibrated camera
   RealDesign real;
   std::vector<Viewpoint> nominal_views;  ///< of each picture, without the calibration

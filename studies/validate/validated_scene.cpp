@@ -13,6 +13,7 @@
 #include "core/units.h"
 #include "studies/compare/camera/scene_camera.h"
 #include "studies/definition/scene_viewpoints.h"
+#include "studies/imaging/scene_picture.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -158,6 +159,20 @@ void take_calibration(const fs::path& file, SceneSettings& scene) {
   if (calibrated.cell) {
     scene.cell = calibrated.cell;
   }
+}
+
+SceneSettings exposed_as_acquired(SceneStore& store,
+                                  const SceneSettings& scene,
+                                  const std::string& name,
+                                  std::vector<std::string>& notes) {
+  try {
+    return with_equal_exposure(store, scene);
+  } catch (const ConfigError& error) {
+    notes.push_back(fmt::format("{}: compared at its sensor.exposure: {}", name, error.what()));
+  }
+  SceneSettings plain = scene;
+  plain.expose_to = 0.0;
+  return plain;
 }
 
 std::vector<Viewpoint> viewpoints_of_pictures(const RealDesign& design,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "studies/definition/scene.h"
+#include "studies/imaging/scene_store.h"
 #include "studies/validate/geometry_fit.h"
 #include "studies/validate/real_pictures.h"
 
@@ -17,6 +18,15 @@ namespace glint {
 /// Takes camera and hand-eye of a calibration.toml; all else stays. The picture's size must be the
 /// same. @throws ConfigError, IoError
 void take_calibration(const std::filesystem::path& file, SceneSettings& scene);
+
+/// The scene of a design at the exposure that `glint acquire` gives its pictures: the one that
+/// sensor.expose_to means, which is found by rendering. Where it cannot be had, because no light
+/// reaches the part, the scene at its sensor.exposure, with a note.
+/// @param name  of the design
+SceneSettings exposed_as_acquired(SceneStore& store,
+                                  const SceneSettings& scene,
+                                  const std::string& name,
+                                  std::vector<std::string>& notes);
 
 /// The viewpoints of the pictures: by the robot's poses where they are told and scene has
 /// [calibration] and [cell], else those of the scene whose names ("view_03", "03", "3") are the

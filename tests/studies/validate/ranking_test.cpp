@@ -177,6 +177,24 @@ TEST(RescoreDesigns, TellWhomTheRefitLiftsAboveTheWinner) {
   EXPECT_THAT(dead["text"].get<std::string>(), testing::HasSubstr("takes the place of " + winner));
 }
 
+// What a cell exposes as designed is as dark as the refit says, though sensor.expose_to is set.
+TEST(RescoreDesigns, OfEqualExposureAreExposedBeforeTheRefit) {
+  const TemporaryFolder folder;
+  Study study = coarse_run(folder.path(), kTrialStudy);
+  study.goal.objective.name = "homogeneity.mean";
+  const std::filesystem::path scene = folder / "run/ring/scene.toml";
+  SceneSettings ring = load_study(scene, {}).scene;
+  ring.expose_to = 0.5;
+  write_file(scene, "schema = 2\n" + to_toml(write_scene(ring)));
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  const auto result =
+      rescore_designs(store, study, folder / "run", {"ring"}, {.exposures = {{"ring", 0.5}}});
+  const double before = result["designs"][0]["before"].get<double>();
+  EXPECT_GT(before, 0.1);
+  EXPECT_NEAR(result["designs"][0]["after"].get<double>(), 0.5 * before, 0.02 * before) << result;
+}
+
 // The refit all but switches off the brighter design.
 TEST(RescoreDesigns, TellTheOrderByEachOfSeveralObjectives) {
   const TemporaryFolder folder;

@@ -64,8 +64,37 @@ const MeasuredPoseSettings* placement_of(const SceneSettings& scene) {
                                         : nullptr;
 }
 
-bool is_told(const std::vector<double>& sigma) {
-  return std::ranges::any_of(sigma, [](double value) { return value > 0.0; });
+/// How well a pose is known.
+struct PoseSigma {
+  Eigen::Matrix<double, 6, 1> sigma;  ///< rotation [rad] before position [mm]
+  int guessed = 0;                    ///< so many of them are not told
+};
+
+/// A number that is 0 is not known: a guess takes its place. @param pose  nullptr: all are guessed
+PoseSigma sigma_of(const MeasuredPoseSettings* pose) {
+  PoseSigma known;
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    const bool is_angle = i < 3;
+    const auto axis = static_cast<std::size_t>(i % 3);
+    const double told = pose == nullptr ? 0.0
+                        : is_angle      ? pose->sigma_rad[axis]
+                                        : pose->sigma_mm[axis];
+    const double guess = is_angle ? kUnknownRotationRad : kUnknownPositionMm;
+    known.sigma[i] = told > 0.0 ? told : guess;
+    known.guessed += told > 0.0 ? 0 : 1;
+  }
+  return known;
+}
+
+/// Of the guesses, if there are any. @param what  "the part's place"
+void note_guesses(const PoseSigma& known, const char* what, std::vector<std::string>& notes) {
+  if (known.guessed > 0) {
+    notes.push_back(
+        fmt::format("How well {} is known is {}: {}0.05 mm and 0.02 degree are assumed.",
+                    what,
+                    known.guessed < 6 ? "stated in part" : "not stated",
+                    known.guessed < 6 ? "of the rest " : ""));
+  }
 }
 
 void guess_lens(const PinholeIntrinsics& in, GeometryBudget& budget) {
@@ -84,37 +113,39 @@ void guess_lens(const PinholeIntrinsics& in, GeometryBudget& budget) {
   budget.camera.topLeftCorner<9, 9>() = sigma.cwiseAbs2().asDiagonal();
 }
 
-void guess_hand_eye(const SceneSettings& scene, GeometryBudget& budget) {
-  Eigen::Matrix<double, 6, 1> sigma;
-  sigma << Eigen::Vector3d::Constant(kUnknownRotationRad),
-      Eigen::Vector3d::Constant(kUnknownPositionMm);
-  if (scene.calibration) {
-    const auto& pose = scene.calibration->flange_from_camera ? scene.calibration->flange_from_camera
-                                                             : scene.calibration->base_from_camera;
-    for (Eigen::Index i = 0; pose && is_told(pose->sigma_mm) && i < 3; ++i) {
-      sigma[i] = pose->sigma_rad[static_cast<std::size_t>(i)];
-      sigma[i + 3] = pose->sigma_mm[static_cast<std::size_t>(i)];
-    }
+const MeasuredPoseSettings* hand_eye_of(const SceneSettings& scene) {
+  if (!scene.calibration) {
+    return nullptr;
   }
-  budget.camera.bottomRightCorner<6, 6>() = sigma.cwiseAbs2().asDiagonal();
+  const CalibrationSettings& known = *scene.calibration;
+  return known.flange_from_camera ? &*known.flange_from_camera
+         : known.base_from_camera ? &*known.base_from_camera
+                                  : nullptr;
 }
 
-/// @return whether anything was taken
-bool take_covariance(const SceneSettings& scene, GeometryBudget& budget) {
+/// What [calibration.covariance] says.
+struct KnownTogether {
+  bool has_lens = false;
+  bool has_hand_eye = false;
+};
+
+/// Takes the place of the budget's guesses.
+KnownTogether take_covariance(const SceneSettings& scene, GeometryBudget& budget) {
   if (!scene.calibration || !scene.calibration->covariance) {
-    return false;
+    return {};
   }
-  const Eigen::MatrixXd covariance = covariance_of(*scene.calibration->covariance);
-  if (covariance.rows() == 0) {
-    return false;
-  }
-  if (!scene.calibration->covariance->intrinsics.empty()) {
-    budget.camera.topLeftCorner<9, 9>() = covariance.topLeftCorner<9, 9>();
-  }
-  if (covariance.rows() == 15) {
+  const CovarianceSettings& settings = *scene.calibration->covariance;
+  const KnownTogether known = {.has_lens = !settings.intrinsics.empty(),
+                               .has_hand_eye = !settings.hand_eye.empty()};
+  const Eigen::MatrixXd covariance = covariance_of(settings);
+  if (known.has_lens && known.has_hand_eye) {
     budget.camera = covariance;
+  } else if (known.has_lens) {
+    budget.camera.topLeftCorner<9, 9>() = covariance.topLeftCorner<9, 9>();
+  } else if (known.has_hand_eye) {
+    budget.camera.bottomRightCorner<6, 6>() = covariance.bottomRightCorner<6, 6>();
   }
-  return true;
+  return known;
 }
 
 /// A lens has some p1 and p2. A calibration that leaves them at zero has seen them as a turn of the
@@ -204,26 +235,25 @@ std::vector<Viewpoint> viewpoints_of_pictures(const RealDesign& design,
 GeometryBudget budget_of(const SceneSettings& scene, std::vector<std::string>& notes) {
   GeometryBudget budget;
   guess_lens(intrinsics_of(scene), budget);
-  guess_hand_eye(scene, budget);
-  if (!take_covariance(scene, budget)) {
+  const PoseSigma hand_eye = sigma_of(hand_eye_of(scene));
+  budget.camera.bottomRightCorner<6, 6>() = hand_eye.sigma.cwiseAbs2().asDiagonal();
+  const KnownTogether together = take_covariance(scene, budget);
+  if (!together.has_lens && !together.has_hand_eye) {
     notes.emplace_back(
         "The scene has no [calibration.covariance]: errors of lens and hand-eye are guessed "
         "(0.05 mm, 0.02 degree, focal length to 0.05 %).");
   } else {
     add_unseen(intrinsics_of(scene), budget);
   }
-  const MeasuredPoseSettings* placement = placement_of(scene);
-  budget.part_sigma << Eigen::Vector3d::Constant(kUnknownRotationRad),
-      Eigen::Vector3d::Constant(kUnknownPositionMm);
-  if (placement != nullptr && is_told(placement->sigma_mm)) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      budget.part_sigma[static_cast<Eigen::Index>(i)] = placement->sigma_rad[i];
-      budget.part_sigma[static_cast<Eigen::Index>(i) + 3] = placement->sigma_mm[i];
-    }
-  } else {
+  if (together.has_lens && !together.has_hand_eye) {
+    note_guesses(hand_eye, "the camera's place", notes);
+  } else if (together.has_hand_eye && !together.has_lens) {
     notes.emplace_back(
-        "How well the part's place is known is not stated: 0.05 mm and 0.02 degree are assumed.");
+        "How well the lens is known is not stated: a focal length known to 0.05 % is assumed.");
   }
+  const PoseSigma placement = sigma_of(placement_of(scene));
+  budget.part_sigma = placement.sigma;
+  note_guesses(placement, "the part's place", notes);
   return budget;
 }
 

@@ -40,8 +40,8 @@ std::vector<Viewpoint> viewpoints_of_pictures(const RealDesign& design,
 /// The camera's lens with the changes that a fit has found.
 void put_lens_change(const GeometryFit& fit, SceneSettings& scene);
 
-/// What calibration and placement say of their errors. What is not told is taken as
-/// kUnknownRotation, kUnknownPosition and kUnknownFocal, with a note.
+/// What calibration and placement say of their errors. Each number that is not told, or is 0, is
+/// taken as kUnknownRotation, kUnknownPosition and kUnknownFocal, with a note.
 GeometryBudget budget_of(const SceneSettings& scene, std::vector<std::string>& notes);
 
 }  // namespace glint

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "core/config/toml.h"
 #include "core/file.h"
 #include "core/rng.h"
+#include "core/units.h"
 #include "hardware/calibration/lens_vector.h"
 #include "studies/compare/camera/scene_camera.h"
 #include "studies/definition/study.h"
@@ -154,6 +156,56 @@ TEST(CameraErrors, OfTangentialTermsThatWereMeasuredAreThoseOfTheCalibration) {
   covariance(7, 7) = covariance(8, 8) = 1e-8;
   std::vector<std::string> notes;
   EXPECT_TRUE(budget_of(calibrated_scene(covariance), notes).unseen.isZero());
+}
+
+constexpr double kGuessedRad = 0.02 * kRadPerDeg;
+constexpr double kGuessedMm = 0.05;
+
+// 0 says that a number is not known, not that it is exact.
+TEST(Budget, GuessesEachNumberOfThePartsPlaceThatIsNotTold) {
+  SceneSettings scene = calibrated_scene(covariance_without_distortion());
+  MeasuredPoseSettings& placement = *scene.cell->base_from_part;
+  placement.sigma_mm = {0.1, 0.1, 0.0};
+  placement.sigma_rad = {0.0, 0.0, 0.0};
+  std::vector<std::string> notes;
+  const GeometryBudget budget = budget_of(scene, notes);
+  VectorXd expected(6);
+  expected << kGuessedRad, kGuessedRad, kGuessedRad, 0.1, 0.1, kGuessedMm;
+  EXPECT_TRUE(budget.part_sigma.isApprox(expected, 1e-12)) << budget.part_sigma.transpose();
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0],
+            "How well the part's place is known is stated in part: of the rest 0.05 mm and 0.02 "
+            "degree are assumed.");
+  placement.sigma_mm = {0.0, 0.0, 0.0};
+  placement.sigma_rad = {1e-3, 1e-3, 1e-3};
+  EXPECT_NEAR(budget_of(scene, notes).part_sigma[0], 1e-3, 1e-12) << "rotations alone";
+}
+
+TEST(Budget, HasNoNoteOnWhatIsToldInFull) {
+  std::vector<std::string> notes;
+  budget_of(calibrated_scene(covariance_without_distortion()), notes);
+  EXPECT_TRUE(notes.empty()) << notes[0];
+}
+
+TEST(Budget, GuessesWhatACovarianceLeavesOpen) {
+  SceneSettings scene = calibrated_scene(covariance_without_distortion());
+  CovarianceSettings& covariance = *scene.calibration->covariance;
+  const CovarianceSettings both = covariance;
+  covariance.hand_eye.clear();
+  covariance.cross.clear();
+  scene.calibration->flange_from_camera->sigma_rad = {0.0, 0.0, 0.0};
+  std::vector<std::string> notes;
+  const GeometryBudget lens = budget_of(scene, notes);
+  EXPECT_NEAR(std::sqrt(lens.camera(9, 9)), kGuessedRad, 1e-12);
+  EXPECT_NEAR(std::sqrt(lens.camera(12, 12)), 0.04, 1e-12) << "as flange_from_camera says";
+  ASSERT_EQ(notes.size(), 1U);
+  covariance = both;
+  covariance.intrinsics.clear();
+  covariance.cross.clear();
+  const GeometryBudget hand_eye = budget_of(scene, notes);
+  EXPECT_GT(hand_eye.camera(0, 0), 0.0) << "the focal length is not exact";
+  EXPECT_NEAR(std::sqrt(hand_eye.camera(9, 9)), 1e-3, 1e-12);
+  ASSERT_EQ(notes.size(), 2U);
 }
 
 }  // namespace

@@ -124,6 +124,9 @@ PairAppearance appearance_of(ComparedPair& pair, const PairOptions& options) {
   pair.gradient_similarity = gradient_similarity_map(pair.exposed, real);
   look.gmsd = deviation_in(pair.gradient_similarity, pair.region);
   look.histogram_distance = histogram_distance(pair.exposed, real, pair.region, pair.region);
+  if (is_plain(simulated) || is_plain(real)) {
+    return look;
+  }
   look.simulated = texture_in(simulated, pair.region);
   look.real = texture_in(real, pair.region);
   if (look.simulated.windows > 0 && look.real.windows > 0) {
@@ -300,24 +303,21 @@ std::string sentence_of(const BetterTurn& turn) {
       turn.correlation_as_is);
 }
 
-}  // namespace
-
-SurfaceTexture texture_in(const ImageF& picture, const Mask& region, int window_px) {
-  return texture_of(
-      picture, region.empty() ? region : shrunk(region, kMarginPx), {.window_px = window_px});
+/// @return whether one of the pictures shows nothing
+bool note_plain(ComparedPair& pair) {
+  bool is_any = false;
+  for (const ComparedPicture* picture : {&pair.simulated, &pair.real}) {
+    if (is_plain(picture->grey)) {
+      pair.notes.push_back(fmt::format("{} has one grey value all over: no edges are looked for.",
+                                       picture->source.picture.filename().string()));
+      is_any = true;
+    }
+  }
+  return is_any;
 }
 
-ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
-  ComparedPair result;
-  result.simulated = read_compared(pair.simulated);
-  result.real = read_compared(pair.real);
-  check_sizes(result.simulated, result.real);
-  note_formats(result.simulated, result.real, result.notes);
-  note_orientation(result.simulated, result.notes);
-  note_orientation(result.real, result.notes);
-  if (result.simulated.grey.values() == result.real.grey.values()) {
-    result.notes.emplace_back("Both pictures are equal in every pixel.");
-  }
+/// How the real part lies, and where it is compared.
+void add_geometry(const ComparePair& pair, const PairOptions& options, ComparedPair& result) {
   result.better_turn = find_better_turn(result.simulated.grey, result.real.grey);
   if (result.better_turn) {
     result.notes.push_back(sentence_of(*result.better_turn));
@@ -329,6 +329,29 @@ ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
   const OutlinePair& outlines = result.geometry.outlines;
   result.notes.insert(result.notes.end(), outlines.notes.begin(), outlines.notes.end());
   result.region = pixels_on_both(outlines.simulated.coverage, outlines.real.coverage);
+}
+
+}  // namespace
+
+SurfaceTexture texture_in(const ImageF& picture, const Mask& region, int window_px) {
+  return texture_of(
+      picture, region.empty() ? region : shrunk(region, kMarginPx), {.window_px = window_px});
+}
+
+ComparedPair compare_pair(const ComparePair& pair, const PairOptions& options) {
+  ComparedPair result;
+  result.simulated = read_compared(pair.simulated, options.may_be_plain);
+  result.real = read_compared(pair.real, options.may_be_plain);
+  check_sizes(result.simulated, result.real);
+  note_formats(result.simulated, result.real, result.notes);
+  note_orientation(result.simulated, result.notes);
+  note_orientation(result.real, result.notes);
+  if (result.simulated.grey.values() == result.real.grey.values()) {
+    result.notes.emplace_back("Both pictures are equal in every pixel.");
+  }
+  if (!note_plain(result)) {
+    add_geometry(pair, options, result);
+  }
   result.appearance = appearance_of(result, options);
   result.regions = regions_of(result);
   return result;

@@ -86,6 +86,8 @@ struct PairOptions {
   std::filesystem::path real_mask;  ///< empty: none
   OutlineChoice outline = OutlineChoice::kAuto;
   ExposureModel exposure = ExposureModel::kGain;
+  /// Allows pictures of one grey value all over: they have neither edges nor textures.
+  bool may_be_plain = false;
 };
 
 /// @throws ConfigError for pictures of different sizes, and as read_compared() and find_outlines()

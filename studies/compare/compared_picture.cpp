@@ -77,7 +77,12 @@ bool is_bright_noise(const ImageF& grey) {
   return is_dark_noise(rest);
 }
 
-ComparedPicture read_compared(const CompareSource& source) {
+bool is_plain(const ImageF& grey) {
+  const auto [low, high] = std::ranges::minmax_element(grey.values());
+  return *high - *low <= 0.0F;
+}
+
+ComparedPicture read_compared(const CompareSource& source, bool may_be_plain) {
   const std::string name = source.picture.string();
   const Picture picture = read_picture(source.picture);
   ComparedPicture result = {.source = source,
@@ -91,13 +96,13 @@ ComparedPicture read_compared(const CompareSource& source) {
     throw ConfigError(name + ": has a value that is no finite number");
   }
   const auto [low, high] = std::ranges::minmax_element(values);
-  if (*high <= 0.0F) {
+  if (*high <= 0.0F && !may_be_plain) {
     throw ConfigError(name + ": is black all over, there is nothing to compare");
   }
   if (!picture.is_float && *low >= 1.0F) {
     throw ConfigError(name + ": is at full scale all over, there is nothing to compare");
   }
-  if (*high - *low <= 0.0F) {
+  if (is_plain(result.grey) && !may_be_plain) {
     throw ConfigError(name + ": has one grey value all over, there is nothing to compare");
   }
   if (picture.is_float && *high > 1.0F) {

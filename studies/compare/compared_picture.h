@@ -23,9 +23,14 @@ struct ComparedPicture {
   int height() const { return grey.height(); }
 };
 
+/// @param may_be_plain  whether one grey value all over, black too, is allowed: a photograph of a
+///                      light that is dead
 /// @throws IoError, ConfigError for a picture that is black or white all over, or has values that
 ///         are no finite numbers
-ComparedPicture read_compared(const CompareSource& source);
+ComparedPicture read_compared(const CompareSource& source, bool may_be_plain = false);
+
+/// Whether a picture has one grey value all over.
+bool is_plain(const ImageF& grey);
 
 /// Whether a picture is dark (mean below 5 % of full scale) and its blocks of 16 x 16 pixels differ
 /// by no more than noise between neighbouring pixels makes them (F test at 1 in 10^4 about).

@@ -243,6 +243,24 @@ TEST_F(BadInput, BlackWhiteAndEmptyPicturesAreRefused) {
               ThrowsMessage<ConfigError>(HasSubstr("one grey value all over")));
 }
 
+// Where a dead light is no mistake, black and plain pictures have neither edges nor texture.
+TEST_F(BadInput, PlainPicturesAreComparedWhereTheyMayBe) {
+  for (const float grey : {0.0F, 0.3F}) {
+    const auto plain = write("plain.png", ImageF(200, 160, grey));
+    for (const ComparedPair& pair : {compare(good(), plain, {.may_be_plain = true}),
+                                     compare(plain, good(), {.may_be_plain = true})}) {
+      EXPECT_EQ(pair.geometry.distance.points, 0);
+      EXPECT_FALSE(pair.geometry.iou);
+      EXPECT_FALSE(pair.appearance.texture);
+      EXPECT_THAT(pair.notes, Contains(HasSubstr("plain.png has one grey value all over")));
+      EXPECT_THAT(pair_json(pair, {})["mean_distance_px"].dump(), "null");
+    }
+  }
+  EXPECT_THAT(
+      [&] { compare(good(), write("white.png", ImageF(200, 160, 1.0F)), {.may_be_plain = true}); },
+      ThrowsMessage<ConfigError>(HasSubstr("white.png: is at full scale all over")));
+}
+
 // The lens was covered: a sensor's noise about its dark level.
 TEST_F(BadInput, ADarkPictureOfNoiseAloneIsRefused) {
   for (std::uint64_t i = 0; i < 20; ++i) {

@@ -51,11 +51,18 @@ TEST(Validate, ADesignAsDarkAsOneStepAgrees) {
 }
 
 // Rounding is allowed for at the grey values of the design: what a light lacks is none. Other
-// powers are tried by the slow tests.
+// powers are tried by the slow tests. One of the pictures has not even noise.
 TEST(Validate, ADarkDesignWhoseLightIsDeadDoesNotAgree) {
-  const Json wrong = validated_dome("0.011", 1e-3);
+  const TemporaryFolder folder;
+  const auto dead = [](SceneSettings& scene) { scene.sensor.exposure *= 1e-3; };
+  make_trial(folder.path(), {.change = dead, .seed = 5}, {"dome"}, 2, dome_study("0.011"));
+  write_png(folder.path() / "pictures/dome/views/view_02/sequence/frame_000.png",
+            ImageF(204, 170),
+            PixelDepth::k8Bit);
+  const Json wrong = validate_trial(folder.path());
   EXPECT_EQ(wrong["agreement"], "does_not_agree") << wrong["verdict"] << wrong["grey"];
   EXPECT_TRUE(has_cause(wrong, "exposure")) << wrong["causes"];
+  EXPECT_THAT(wrong["pairs"][1]["notes"].dump(), HasSubstr("has one grey value all over"));
 }
 
 /// The cause of that name and light.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The exposure that all designs share, and whose lights have another power, as far as rounding to
-// the camera's steps lets it be told. Rules: docs/validate.md, "Dark designs". Private to the room.
+// The exposure that all designs share, and whose lights have another power, as far as noise and
+// rounding to the camera's steps let it be told. Rules: docs/validate.md, "Dark designs". Private
+// to the room.
 #pragma once
 
 #include <algorithm>
@@ -15,6 +16,7 @@
 
 namespace glint::validate_detail {
 
+inline constexpr double kSigmas = 4.0;        ///< below that a change of grey values is noise
 inline constexpr double kMinExposure = 0.01;  ///< smaller changes are nobody's concern
 inline constexpr double kMinPower = 0.03;
 inline constexpr double kMinLightMm = 0.5;
@@ -83,9 +85,20 @@ inline const GreyFit* common_fit(std::span<const DesignGrey> designs) {
   return sharpest;
 }
 
-/// Whether a design's exposure differs from the cell's by more than 3 % and what rounding may do to
-/// both.
+/// Standard deviation of a design's exposure over that of the cell.
+inline double sigma_of_power(const GreyFit& fit, const GreyFit& common) {
+  const double ratio = fit.change.exposure / common.change.exposure;
+  return std::hypot(sigma_of_exposure(fit), ratio * sigma_of_exposure(common)) /
+         common.change.exposure;
+}
+
+/// Whether a design's exposure differs from the cell's beyond noise, and by more than 3 % and what
+/// rounding may do to both.
 inline bool has_other_power(const GreyFit& fit, const GreyFit& common) {
+  const double change = std::abs(fit.change.exposure / common.change.exposure - 1.0);
+  if (change < kSigmas * sigma_of_power(fit, common)) {
+    return false;
+  }
   const ExposureRange own = range_of(fit, common.change.exposure);
   const ExposureRange cell = range_of(common, common.change.exposure);
   return own.low > (1.0 + kMinPower) * cell.high || own.high < (1.0 - kMinPower) * cell.low;

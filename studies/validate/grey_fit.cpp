@@ -84,6 +84,7 @@ class GreyFitter {
       fits[d].kept = kept;
       if (!is_searching) {
         fits[d].faults = {GreyFault::kExposure};
+        fits[d].values[0].sigma = sigma_of_exposure(fits[d]);
         fits[d].values.resize(1);
         fits[d].values[0].value = fits[d].change.exposure;
       }
@@ -366,6 +367,16 @@ std::string name_of(GreyFault fault) {
   constexpr std::array<const char*, kGreyFaults> kNames = {
       "exposure", "light_power", "segment_power", "light_place", "roughness"};
   return kNames[static_cast<std::size_t>(fault)];
+}
+
+double sigma_of_exposure(const GreyFit& fit) {
+  const auto number = [&fit](GreyFault fault) {
+    const auto found = std::ranges::find(fit.values, fault, &GreyValue::fault);
+    return found == fit.values.end() ? GreyValue{.value = 1.0} : *found;
+  };
+  const GreyValue exposure = number(GreyFault::kExposure);
+  const GreyValue power = number(GreyFault::kLightPower);
+  return std::hypot(power.value * exposure.sigma, exposure.value * power.sigma);
 }
 
 std::vector<GreyFit> fit_grey(SceneStore& store,

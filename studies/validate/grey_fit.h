@@ -72,6 +72,10 @@ struct GreyFit {
   int renders = 0;        ///< of all designs
 };
 
+/// Standard deviation of `change.exposure`, by those of the fitted exposure and of the design's own
+/// power; 0 where neither was fitted.
+double sigma_of_exposure(const GreyFit& fit);
+
 struct GreyOptions {
   /// Rms of even differences after the exposure up to which a design agrees: no cause is looked for
   /// when all do.

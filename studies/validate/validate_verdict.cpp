@@ -22,8 +22,8 @@ using validate_detail::kMinExposure;
 using validate_detail::kMinLightMm;
 using validate_detail::kMinPower;
 using validate_detail::kMinRoughness;
+using validate_detail::kSigmas;
 
-constexpr double kSigmas = 4.0;        ///< below that a change of grey values is noise
 constexpr double kBudgetSigmas = 3.0;  ///< of what calibration and placement predict
 constexpr double kDeadPower = 0.3;     ///< a segment below that is called dead
 
@@ -225,10 +225,11 @@ class Judge {
       return;
     }
     const double common = cell->change.exposure;
-    if (std::abs(common - 1.0) > kMinExposure + cell->rounding) {
+    const double sigma = sigma_of_exposure(*cell);
+    if (std::abs(common - 1.0) > std::max(kMinExposure + cell->rounding, kSigmas * sigma)) {
       add({.name = "exposure",
            .of = "",
-           .values = {{.name = "factor", .value = common}},
+           .values = {{.name = "factor", .value = common, .sigma = sigma}},
            .is_within = std::abs(common - 1.0) <= f_.limits.exposure_share});
     }
     for (const DesignGrey& grey : f_.grey) {
@@ -236,7 +237,9 @@ class Judge {
         const double ratio = grey.fit.change.exposure / common;
         add({.name = "light_power",
              .of = grey.design,
-             .values = {{.name = "factor", .value = ratio}},
+             .values = {{.name = "factor",
+                         .value = ratio,
+                         .sigma = validate_detail::sigma_of_power(grey.fit, *cell)}},
              .is_within = std::abs(ratio - 1.0) <= f_.limits.exposure_share});
       }
     }

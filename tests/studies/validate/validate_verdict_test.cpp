@@ -2,6 +2,7 @@
 #include "studies/validate/validate_verdict.h"
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -43,6 +44,43 @@ TEST(Verdict, AgreesAfterARefitOfTheExposure) {
   ASSERT_EQ(verdict.faults.size(), 1U);
   EXPECT_EQ(verdict.faults[0].name, "exposure");
   EXPECT_TRUE(verdict.faults[0].is_within);
+}
+
+// Four standard deviations of 2 % are 8 %, of 0.2 % less than the 1 % that matters.
+TEST(Verdict, AnExposureWithinItsNoiseIsNoCause) {
+  ValidationFindings findings = alike();
+  GreyFit& fit = findings.grey[0].fit;
+  fit.change.exposure = 1.02;
+  fit.values = {{.fault = GreyFault::kExposure, .value = 1.02, .sigma = 0.02}};
+  EXPECT_TRUE(judge(findings).faults.empty());
+  fit.change.exposure = 1.05;
+  fit.values = {{.fault = GreyFault::kExposure, .value = 1.05, .sigma = 0.002}};
+  const ValidateVerdict verdict = judge(findings);
+  ASSERT_EQ(verdict.faults.size(), 1U);
+  EXPECT_EQ(verdict.faults[0].name, "exposure");
+  EXPECT_DOUBLE_EQ(verdict.faults[0].values[0].sigma, 0.002);
+}
+
+/// Ring as designed, and a dome whose lights have another power, found with that sigma.
+ValidationFindings with_a_power(double power, double sigma) {
+  ValidationFindings findings = alike();
+  findings.grey[0].fit.values = {{.fault = GreyFault::kExposure, .value = 1.0, .sigma = 0.003}};
+  findings.grey.push_back(findings.grey[0]);
+  findings.grey[1].design = "dome";
+  findings.grey[1].fit.change.exposure = power;
+  findings.grey[1].fit.values.push_back(
+      {.fault = GreyFault::kLightPower, .light = "dome", .value = power, .sigma = sigma});
+  return findings;
+}
+
+// The ratio of both: the power's own noise, and the exposure's of each.
+TEST(Verdict, APowerWithinItsNoiseIsNoCause) {
+  EXPECT_TRUE(judge(with_a_power(1.1, 0.05)).faults.empty());
+  const ValidateVerdict verdict = judge(with_a_power(1.1, 0.004));
+  ASSERT_EQ(verdict.faults.size(), 1U);
+  EXPECT_EQ(verdict.faults[0].name, "light_power");
+  // (1.1 x 0.003)^2 + 0.004^2 of the dome, (1.1 x 0.003)^2 of the ring
+  EXPECT_NEAR(verdict.faults[0].values[0].sigma, std::sqrt(2 * 1.089e-5 + 1.6e-5), 1e-9);
 }
 
 // Variances add: 2 px of more blur are 4 px2, 0.8 px are 0.64.

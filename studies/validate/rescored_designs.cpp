@@ -298,6 +298,10 @@ Json orders_json(const Goal& goal, std::vector<RescoredDesign>& designs) {
   return {{"objectives", objectives}, {"text", told.empty() ? "" : text}};
 }
 
+bool has_moved(const RigidTransform& motion) {
+  return !motion.rotation.isIdentity(0.0) || !motion.translation_mm.isZero(0.0);
+}
+
 /// Of the pictures that the cell takes at the exposure of the design, which is found without the
 /// refit. Empty: it cannot be scored.
 Scores scores_after(SceneStore& store,
@@ -306,7 +310,7 @@ Scores scores_after(SceneStore& store,
                     const Goal& goal) {
   try {
     const SceneSettings exposed = with_equal_exposure(store, design.scene);
-    return scores_of(store, refitted_scene(exposed, refit, design.name), goal);
+    return scores_of(store, refitted_scene(store, exposed, refit, design.name), goal);
   } catch (const ConfigError&) {  // why it has no exposure is told by the score before the refit
     return {};
   }
@@ -354,7 +358,8 @@ DesignRefit refit_of(const ValidationFindings& findings, const GeometryBudget& b
   return refit;
 }
 
-SceneSettings refitted_scene(const SceneSettings& scene,
+SceneSettings refitted_scene(SceneStore& store,
+                             const SceneSettings& scene,
                              const DesignRefit& refit,
                              const std::string& design) {
   SceneChange change = refit.change;
@@ -362,6 +367,9 @@ SceneSettings refitted_scene(const SceneSettings& scene,
     change.exposure = own->second;
   }
   SceneSettings changed = changed_scene(scene, change);
+  if (has_moved(refit.scene_from_part)) {
+    changed = first_view(store, std::move(changed));
+  }
   // The part stays in the scene's frame, which everything else is told in: the camera moves.
   for (Viewpoint& viewpoint : changed.viewpoints) {
     viewpoint = viewpoint_of_pose(camera_from_world(viewpoint) * refit.scene_from_part);

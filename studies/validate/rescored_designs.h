@@ -33,9 +33,13 @@ struct DesignRefit {
 DesignRefit refit_of(const ValidationFindings& findings, const GeometryBudget& budget);
 
 /// The scene of a design with the refit put in: exposure, roughness, blur, lights, the part's pose.
+/// Where the part has moved, viewpoints of a sphere, a surface or a file become listed ones, seen
+/// from where the camera then is.
+/// @param store  makes the part that such viewpoints belong to
 /// @param scene   exposed as its pictures are: exposed_as_acquired()
 /// @param design  its name
-SceneSettings refitted_scene(const SceneSettings& scene,
+SceneSettings refitted_scene(SceneStore& store,
+                             const SceneSettings& scene,
                              const DesignRefit& refit,
                              const std::string& design);
 

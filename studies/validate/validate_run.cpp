@@ -381,7 +381,7 @@ class ValidateRun {
     const DesignRefit refit = refit_of(findings_, budget_);
     for (const ValidatedDesign& design : sources_.designs) {
       write_file(stage / design.name / "refit.toml",
-                 to_toml(write_scene(refitted_scene(design.scene, refit, design.name))));
+                 to_toml(write_scene(refitted_scene(store_, design.scene, refit, design.name))));
     }
     Json json = change_json(refit.change);
     json["exposures"] = refit.exposures;

@@ -13,6 +13,7 @@
 #include "core/file.h"
 #include "core/thread_pool.h"
 #include "optimizer/storage/storage.h"
+#include "studies/definition/scene_viewpoints.h"
 #include "studies/definition/study.h"
 #include "studies/imaging/scene_store.h"
 #include "studies/validate/rescored_designs.h"
@@ -238,6 +239,28 @@ TEST(RescoreDesigns, CannotTellByLessThanTheNoiseOfRendering) {
   EXPECT_EQ(near["untold"], near["order_after"][0]);
   EXPECT_EQ(near["winner_after"], winner);
   EXPECT_THAT(near["text"].get<std::string>(), testing::HasSubstr("cannot be told"));
+}
+
+// Views that are made of the scene go with the part like listed ones.
+TEST(RefittedScene, MovesTheViewpointsOfASphereAlongWithThePart) {
+  const TemporaryFolder folder;
+  std::string text = kTrialScene;
+  text.erase(text.find("[[viewpoint]]"));
+  write_file(folder / "scene.toml", text + "[viewpoints]\nsource = \"sphere\"\ncount = 2\n");
+  const SceneSettings scene = load_study(folder / "scene.toml", {}).scene;
+  ThreadPool pool(1);
+  SceneStore store(pool);
+  const Part& part = store.build(scene)->part;
+  const auto before = viewpoints_of(scene, part);
+  const DesignRefit moved = {.scene_from_part = {.translation_mm = {1.0, 0.0, 0.0}}};
+  const auto after = viewpoints_of(refitted_scene(store, scene, moved, "ring"), part);
+  ASSERT_EQ(after.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(after[i].position_mm[0], before[i].position_mm[0] - 1.0, 1e-9);
+    EXPECT_NEAR(after[i].position_mm[2], before[i].position_mm[2], 1e-9);
+  }
+  EXPECT_EQ(refitted_scene(store, scene, {}, "ring").viewpoint_set.source,
+            ViewpointSource::kSphere);
 }
 
 // 22 trials with a score and one that failed: the best 20 of them, the best one first.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // All designs of a study scored again with what a refit has found: did the winner change? All are
-// those that the run has written (winner, prototypes, finalists, baseline) and the 20 best trials
-// of its search.
+// those that the run has written (winner, prototypes, finalists, baseline, of several objectives
+// their front) and the 20 best trials of a search by one objective.
 #pragma once
 
 #include <filesystem>
@@ -43,7 +43,7 @@ SceneSettings refitted_scene(SceneStore& store,
                              const DesignRefit& refit,
                              const std::string& design);
 
-/// @param names  of the run's folders of designs
+/// @param names  of the run's folders of designs: written_designs()
 /// @return { objective, designs: [ { name, of ("run", "search"), before, after } ], order_before,
 ///         order_after, winner_before, winner_after, changed, untold, text }; a score that cannot
 ///         be had is null, and the orders are without its design; changed: a design is ahead of the

@@ -387,7 +387,8 @@ class ValidateRun {
     json["exposures"] = refit.exposures;
     json["rescored"] =
         sources_.study
-            ? rescore_designs(store_, *sources_.study, options_.run, sources_.run_designs, refit)
+            ? rescore_designs(
+                  store_, *sources_.study, options_.run, written_designs(sources_), refit)
             : Json(nullptr);
     if (json["rescored"].is_null()) {
       sources_.notes.emplace_back(

@@ -24,6 +24,7 @@ namespace {
 
 constexpr const char* kWinner = "winner";
 constexpr const char* kBaseline = "baseline";
+constexpr const char* kFront = "front";
 
 /// All designs of the run: the winner first, the baseline last.
 std::vector<std::string> designs_in(const fs::path& run) {
@@ -47,8 +48,19 @@ std::vector<std::string> designs_in(const fs::path& run) {
 /// "front/NAME" of a design of several objectives' front.
 bool is_of_front(const fs::path& run, const std::string& name) {
   const fs::path path(name);
-  return path.parent_path() == "front" && path.filename() != ".." &&
+  return path.parent_path() == kFront && path.filename() != ".." &&
          is_there(run / path / "scene.toml");
+}
+
+std::vector<std::string> front_designs_in(const fs::path& run) {
+  std::vector<std::string> names;
+  for (const fs::path& entry : sorted_entries(run / kFront)) {
+    const std::string name = (kFront / entry.filename()).string();
+    if (!entry.filename().string().starts_with(".") && is_of_front(run, name)) {
+      names.push_back(name);
+    }
+  }
+  return names;
 }
 
 std::string told(const std::vector<std::string>& names) {
@@ -102,6 +114,9 @@ class Finder {
     const fs::path file = run_ / "study.resolved.toml";
     if (is_there(file)) {
       sources_.study = load_study(file, {});
+      if (has_several_objectives(sources_.study->goal)) {
+        sources_.front_designs = front_designs_in(run_);
+      }
     }
   }
 
@@ -214,6 +229,12 @@ class Finder {
 };
 
 }  // namespace
+
+std::vector<std::string> written_designs(const ValidationSources& sources) {
+  std::vector<std::string> names = sources.run_designs;
+  names.insert(names.end(), sources.front_designs.begin(), sources.front_designs.end());
+  return names;
+}
 
 fs::path default_validate_folder(const fs::path& run) {
   const std::string name = name_of_source(run);

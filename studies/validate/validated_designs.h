@@ -30,13 +30,18 @@ struct LeftOutDesign {
 };
 
 struct ValidationSources {
-  std::vector<ValidatedDesign> designs;      ///< at least one; the winner, if there is one, first
-  std::optional<Study> study;                ///< of the run; empty: its file is not there
-  std::vector<std::string> run_designs;      ///< all folders of designs in the run
+  std::vector<ValidatedDesign> designs;  ///< at least one; the winner, if there is one, first
+  std::optional<Study> study;            ///< of the run; empty: its file is not there
+  std::vector<std::string> run_designs;  ///< all folders of designs in the run
+  /// "front/NAME" of all designs of the front of several objectives.
+  std::vector<std::string> front_designs = {};
   std::vector<LeftOutDesign> left_out = {};  ///< the notes tell of them, too
   bool is_calibrated = false;                ///< a calibration beside the designs' own was taken
   std::vector<std::string> notes;
 };
+
+/// All designs that the run has written: its folders of designs, and those of its front.
+std::vector<std::string> written_designs(const ValidationSources& sources);
 
 /// out/<name of the run>/validate
 std::filesystem::path default_validate_folder(const std::filesystem::path& run);

@@ -234,10 +234,9 @@ TEST(Validate, TellsWhyDesignsAreNotRanked) {
   EXPECT_TRUE(result["rankings"][1]["ranking"].is_null());
   EXPECT_THAT(result["notes"].dump(),
               HasSubstr("not ranked by lighting.area_mm2: none of 2 designs have this score"));
-  EXPECT_THAT(
-      result["notes"].dump(),
-      HasSubstr("the order by defects.min_cnr holds as far as it can be decided (dome, ring), by "
-                "lighting.area_mm2 holds"));
+  EXPECT_THAT(result["notes"].dump(),
+              HasSubstr("the order by defects.min_cnr holds as far as it can be decided (dome, "
+                        "ring, front/trial_003), by lighting.area_mm2 holds"));
   EXPECT_THAT(result["verdict"].get<std::string>(), HasSubstr("by defects.min_cnr"));
   EXPECT_TRUE(fs::exists(folder.path() / "out/front/trial_003/view_01/overlay.png"));
 }

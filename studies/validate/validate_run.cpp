@@ -26,6 +26,7 @@
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
 #include "studies/output/staged_folder.h"
+#include "studies/output/unreplaced_files.h"
 #include "studies/validate/both_scores.h"
 #include "studies/validate/compared_view.h"
 #include "studies/validate/rescored_designs.h"
@@ -33,6 +34,7 @@
 #include "studies/validate/validate_result.h"
 #include "studies/validate/validate_verdict.h"
 #include "studies/validate/validated_scene.h"
+#include "studies/validate/view_edges.h"
 
 namespace glint {
 namespace fs = std::filesystem;
@@ -41,8 +43,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using validate_detail::SeenContrasts;
-
-constexpr const char* kBefore = "before";
 
 /// A light that is dead leaves black pictures: grey values are judged all the same.
 ComparedPair compared(const CompareSource& simulated, const RealView& view) {
@@ -99,7 +99,10 @@ class ValidateRun {
     result["report"] = "report.html";
     write_all(stage.path(), result);
     bar_.reset();
+    const std::vector<fs::path> stale =
+        unreplaced_files(out_, stage.path(), earlier_validation(out_), inputs());
     stage.commit();
+    remove_unreplaced(out_, stale);
     folder.keep();
     result["report"] = (out_ / "report.html").string();
     result["folder"] = out_.string();
@@ -120,17 +123,24 @@ class ValidateRun {
 
   void show(const std::string& what) { bar_->update(++done_, what); }
 
-  void check_folder() const {
-    std::vector<std::string> names = {"result.json", "report.html", "run.json", kBefore};
-    std::vector<fs::path> inputs = {options_.calibration};
+  std::vector<fs::path> inputs() const {
+    std::vector<fs::path> files = {options_.calibration};
     for (const ValidatedDesign& design : sources_.designs) {
-      names.push_back(fs::path(design.name).begin()->string());
       for (const RealView& view : design.real.views) {
-        inputs.push_back(view.picture);
+        files.push_back(view.picture);
       }
     }
+    return files;
+  }
+
+  void check_folder() const {
+    std::vector<std::string> designs;
+    for (const ValidatedDesign& design : sources_.designs) {
+      designs.push_back(design.name);
+    }
+    const std::vector<std::string> names = validation_files(designs);
     check_result_folder(out_, ResultKind::kValidate, names);
-    check_inputs_kept(inputs, out_, names);
+    check_inputs_kept(inputs(), out_, names);
     if (options_.out.empty()) {
       check_default_validate_folder(options_.run, options_.pictures);
     }
@@ -138,7 +148,7 @@ class ValidateRun {
 
   void compare_all(const fs::path& stage) {
     if (sources_.is_calibrated) {
-      compare_before(stage / kBefore);
+      compare_before(stage / kBeforeFolder);
     }
     for (std::size_t i = 0; i < sources_.designs.size(); ++i) {
       compare_design(i, stage / sources_.designs[i].name);
@@ -209,24 +219,8 @@ class ValidateRun {
                       .viewpoint = design.views[i]});
   }
 
-  /// About the middle of the edges that were seen.
-  void centre_budget() {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double count = 0.0;
-    for (const ViewEdges& view : edges_) {
-      const RigidTransform scene_from_camera = inverse(view.camera_from_scene);
-      for (const SpaceEdge& edge : view.edges) {
-        sum += scene_from_camera * edge.in_camera_mm;
-        count += 1.0;
-      }
-    }
-    if (count > 0.0) {
-      budget_.middle_mm = sum / count;
-    }
-  }
-
   void fit_all() {
-    centre_budget();
+    budget_.middle_mm = middle_of_edges(edges_).value_or(budget_.middle_mm);
     const SceneSettings& scene = sources_.designs.front().scene;
     findings_.geometry = fit_geometry(edges_, intrinsics_of(scene), budget_);
     findings_.texture = if_any(textures_);

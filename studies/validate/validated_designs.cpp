@@ -2,9 +2,11 @@
 #include "studies/validate/validated_designs.h"
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
-#include <utility>
+#include <nlohmann/json.hpp>
 
 #include "core/config/toml.h"
 #include "core/error.h"
@@ -65,6 +67,27 @@ std::vector<std::string> front_designs_in(const fs::path& run) {
 
 std::string told(const std::vector<std::string>& names) {
   return names.empty() ? "none" : join(names, ", ");
+}
+
+/// A name in a result.json that may be the end of a path.
+bool is_path_below(const fs::path& name) {
+  return !name.empty() && name.is_relative() &&
+         std::ranges::none_of(name, [](const fs::path& part) { return part == ".."; });
+}
+
+/// Of one folder: what was rendered, and its pairs. @param pairs  rows with the name of the view
+void add_written(const fs::path& folder,
+                 const nlohmann::ordered_json& pairs,
+                 std::vector<fs::path>& written) {
+  written.push_back(folder / "simulated");
+  for (const auto& pair : pairs) {
+    const fs::path view = pair.at("view").get<std::string>();
+    for (const char* file : {"overlay.png", "simulated.png", "difference.exr"}) {
+      if (is_path_below(view)) {
+        written.push_back(folder / view / file);
+      }
+    }
+  }
 }
 
 /// A file that says where the camera is by drawing, alone, calibrates nothing.
@@ -239,6 +262,39 @@ std::vector<std::string> written_designs(const ValidationSources& sources) {
 fs::path default_validate_folder(const fs::path& run) {
   const std::string name = name_of_source(run);
   return default_result_folder(name.empty() ? "run" : name, ResultKind::kValidate);
+}
+
+std::vector<std::string> validation_files(const std::vector<std::string>& designs) {
+  std::vector<std::string> names = {"result.json", "report.html", "run.json", kBeforeFolder};
+  for (const std::string& design : designs) {
+    names.push_back(fs::path(design).begin()->string());
+  }
+  return names;
+}
+
+std::vector<fs::path> earlier_validation(const fs::path& out) {
+  const fs::path file = out / "result.json";
+  if (result_kind_of(out) != ResultKind::kValidate || !is_there(file)) {
+    return {};
+  }
+  std::vector<fs::path> written;
+  try {
+    const auto result = nlohmann::ordered_json::parse(read_file(file));
+    add_written(kBeforeFolder, result.at("before"), written);
+    std::map<std::string, nlohmann::ordered_json> pairs;
+    for (const auto& pair : result.at("pairs")) {
+      pairs[pair.at("design").get<std::string>()].push_back(pair);
+    }
+    for (const auto& [design, of_design] : pairs) {
+      if (is_path_below(design)) {
+        written.push_back(fs::path(design) / "refit.toml");
+        add_written(design, of_design, written);
+      }
+    }
+  } catch (const nlohmann::json::exception&) {  // of another form: nothing is known of its files
+    written.clear();
+  }
+  return written;
 }
 
 void check_default_validate_folder(const fs::path& run, const fs::path& pictures) {

@@ -40,11 +40,21 @@ struct ValidationSources {
   std::vector<std::string> notes;
 };
 
+/// In the results: the first design without the calibration.
+inline constexpr const char* kBeforeFolder = "before";
+
 /// All designs that the run has written: its folders of designs, and those of its front.
 std::vector<std::string> written_designs(const ValidationSources& sources);
 
 /// out/<name of the run>/validate
 std::filesystem::path default_validate_folder(const std::filesystem::path& run);
+
+/// Files and folders directly in a folder of results of these designs.
+std::vector<std::string> validation_files(const std::vector<std::string>& designs);
+
+/// What an earlier validation has written into its folder beside validation_files(), as its
+/// result.json tells: files and folders, relative to it. None where it is no validation's.
+std::vector<std::filesystem::path> earlier_validation(const std::filesystem::path& out);
 
 /// To be asked before pictures are taken for it.
 /// @throws ConfigError where that folder holds the validation of another run or by other pictures

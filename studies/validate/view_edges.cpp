@@ -10,6 +10,19 @@
 
 namespace glint {
 
+std::optional<Eigen::Vector3d> middle_of_edges(std::span<const ViewEdges> views) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (const ViewEdges& view : views) {
+    const RigidTransform scene_from_camera = inverse(view.camera_from_scene);
+    for (const SpaceEdge& edge : view.edges) {
+      sum += scene_from_camera * edge.in_camera_mm;
+      count += 1.0;
+    }
+  }
+  return count > 0.0 ? std::optional<Eigen::Vector3d>(sum / count) : std::nullopt;
+}
+
 std::vector<std::vector<SpaceEdge>> edges_in_pictures(const SceneSettings& scene,
                                                       std::span<const PictureOfView> pictures,
                                                       const std::filesystem::path& folder,

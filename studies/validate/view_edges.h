@@ -5,11 +5,15 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "studies/compare/fit/cause_fit.h"
 #include "studies/definition/scene.h"
+#include "studies/validate/geometry_fit.h"
 
 namespace glint {
 
@@ -18,6 +22,9 @@ struct PictureOfView {
   std::filesystem::path file;
   Viewpoint viewpoint;
 };
+
+/// The middle of all edges in the scene's frame; empty: there are none.
+std::optional<Eigen::Vector3d> middle_of_edges(std::span<const ViewEdges> views);
 
 /// Renders the views of the scene into a folder, which it makes, and compares.
 /// @return of each picture its edges in the order of their boundaries; none where the part is not

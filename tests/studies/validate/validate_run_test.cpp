@@ -84,7 +84,27 @@ TEST(Validate, ADeadLightAmongThreeDesignsDoesNotAgree) {
   EXPECT_TRUE(has_cause_of(result, "light_power", "dome")) << result["causes"];
 }
 
-// All of its pictures were rejected: the other one is judged.
+/// What a validation of ring and dome with a refit leaves, and a person's note.
+void leave_earlier_results(const fs::path& out) {
+  for (const char* file : {"ring/refit.toml",
+                           "ring/view_02/overlay.png",
+                           "dome/refit.toml",
+                           "dome/view_01/overlay.png",
+                           "dome/simulated/views/view_01/image.png",
+                           "before/view_01/overlay.png",
+                           "ring/note.txt"}) {
+    make_folder((out / file).parent_path());
+    write_file(out / file, "");
+  }
+  write_file(out / "run.json", R"({"verb": "validate"})");
+  write_file(out / "result.json",
+             R"({"before": [{"design": "ring", "view": "view_01"}],
+                 "pairs": [{"design": "ring", "view": "view_02"},
+                           {"design": "dome", "view": "view_01"}]})");
+}
+
+// All of its pictures were rejected: the other one is judged, and nothing in the folder is of
+// another validation.
 TEST(Validate, LeavesADesignWithoutAnyWholeViewOutByName) {
   const TemporaryFolder folder;
   make_trial(folder.path(), {.seed = 5}, {"ring", "dome"}, 1);
@@ -94,7 +114,15 @@ TEST(Validate, LeavesADesignWithoutAnyWholeViewOutByName) {
     picture["accepted"] = false;
   }
   write_file(acquired, json.dump());
+  const fs::path out = folder.path() / "out";
+  leave_earlier_results(out);
   const Json result = validate_trial(folder.path());
+  for (const char* gone : {"dome", "before", "ring/refit.toml", "ring/view_02"}) {
+    EXPECT_FALSE(fs::exists(out / gone)) << gone;
+  }
+  for (const char* there : {"ring/note.txt", "ring/view_01/overlay.png", "ring/simulated/views"}) {
+    EXPECT_TRUE(fs::exists(out / there)) << there;
+  }
   ASSERT_EQ(result["designs"].size(), 1U);
   EXPECT_EQ(result["designs"][0]["name"], "ring");
   ASSERT_EQ(result["left_out"].size(), 1U);

@@ -168,6 +168,9 @@ void add_validate_verb(CLI::App& app, CommandLine& line) {
       ->type_name("FILE")
       ->check(not_empty());
   add_driving_options(*validate, arguments.acquire, "with --cell: ");
+  for (const char* driving : {"--move", "--twin", "--speed_share", "--confirmed"}) {
+    validate->get_option(driving)->needs(validate->get_option("--cell"));
+  }
   add_mounted_option(*validate, arguments.acquire, "with --cell: ");
   add_out(*validate, arguments.acquire.out, "folder for the results (default out/<name>/validate)");
 }

@@ -301,6 +301,23 @@ void check_default_validate_folder(const fs::path& run, const fs::path& pictures
   check_source_of_folder(default_validate_folder(run), {run, pictures});
 }
 
+void check_before_pictures(const fs::path& run,
+                           const fs::path& out,
+                           const fs::path& calibration,
+                           const std::vector<std::string>& designs) {
+  const fs::path folder = out.empty() ? default_validate_folder(run) : out;
+  const std::vector<std::string> files = validation_files(designs);
+  check_result_folder(folder, ResultKind::kValidate, files);
+  if (calibration.empty()) {
+    return;
+  }
+  check_inputs_kept(std::vector<fs::path>{calibration}, folder, files);
+  for (const std::string& name : designs) {
+    SceneSettings scene = load_scene(run / name / "scene.toml");
+    take_calibration(calibration, scene);
+  }
+}
+
 std::vector<std::string> names_in(const std::string& list) {
   std::vector<std::string> names;
   for (std::size_t begin = 0; begin <= list.size();) {

@@ -61,6 +61,17 @@ std::vector<std::filesystem::path> earlier_validation(const std::filesystem::pat
 void check_default_validate_folder(const std::filesystem::path& run,
                                    const std::filesystem::path& pictures);
 
+/// What would end the validation when all pictures are taken, told before a robot takes them.
+/// @param out          of the results; empty: default_validate_folder()
+/// @param calibration  empty: none
+/// @param designs      that have their scenes in the run
+/// @throws ConfigError where the results cannot be written, or the calibration is none, or one of
+///         pictures of another size; IoError
+void check_before_pictures(const std::filesystem::path& run,
+                           const std::filesystem::path& out,
+                           const std::filesystem::path& calibration,
+                           const std::vector<std::string>& designs);
+
 /// Names with commas between them.
 std::vector<std::string> names_in(const std::string& list);
 

@@ -124,6 +124,7 @@ Json validate_in_cell(const ValidateCellOptions& options, const MotionPermit& pe
     check_default_validate_folder(validate.run, validate.pictures);
   }
   const std::vector<std::string> names = wanted_designs(validate);
+  check_before_pictures(validate.run, validate.out, validate.calibration, names);
   PicturesOfDesigns pictures(validate, options.acquire, permit);
   Json ended = pictures.take(names);
   if (!ended.is_null()) {

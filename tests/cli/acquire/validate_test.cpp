@@ -77,6 +77,27 @@ TEST_F(Validate, DisagreesWithExitCodeOne) {
   EXPECT_EQ(Json::parse(read_file(folder_ / "out/result.json"))["agreement"], "does_not_agree");
 }
 
+TEST_F(Validate, RefusesToMoveWithoutACell) {
+  const ProgramResult result = validate({"--move"});
+  EXPECT_EQ(result.code, 2) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("--move requires --cell"));
+}
+
+// The cell, which is not there, is asked after what the results need.
+TEST_F(Validate, TellsOfResultsThatCannotBeBeforeTheCellIsAsked) {
+  const auto error = [&](const Arguments& more) {
+    Arguments call = {"validate", "run", "--cell", "none.toml", "--move"};
+    call.insert(call.end(), more.begin(), more.end());
+    const ProgramResult result = glint_in(folder_, call);
+    EXPECT_NE(result.code, 0);
+    return result.err;
+  };
+  EXPECT_THAT(error({"--out", "run"}), HasSubstr("holds results of glint run"));
+  write_file(folder_ / "lens.toml", "[lens]\nfocal_mm = 8\n");
+  EXPECT_THAT(error({"--calibration", "lens.toml"}), HasSubstr("lens.toml: is no calibration"));
+  EXPECT_THAT(error({}), HasSubstr("none.toml"));
+}
+
 // The ring is dark in the only design that was photographed: where it is nobody can tell.
 TEST_F(Validate, TellsWhatARefitCannotDetermineInTextFileAndPage) {
   photograph("0.5");

@@ -10,6 +10,43 @@
 
 namespace glint::validate_detail {
 
+/// The share of some pixels that lie in whole blocks of 3 x 3 of them.
+class EvenCover {
+ public:
+  void add(const Mask& used) {
+    Mask covered(used.width(), used.height());
+    for (int y = 1; y + 1 < used.height(); ++y) {
+      for (int x = 1; x + 1 < used.width(); ++x) {
+        cover_block(used, x, y, covered);
+      }
+    }
+    const auto count = [](const Mask& mask) {
+      return static_cast<double>(
+          std::ranges::count_if(mask.values(), [](auto pixel) { return pixel != 0; }));
+    };
+    pixels_ += count(used);
+    covered_ += count(covered);
+  }
+
+  /// 0 without any pixel.
+  double share() const { return covered_ / std::max(1.0, pixels_); }
+
+ private:
+  static void cover_block(const Mask& used, int x, int y, Mask& covered) {
+    for (int k = 0; k < 9; ++k) {
+      if (used(x + k % 3 - 1, y + k / 3 - 1) == 0) {
+        return;
+      }
+    }
+    for (int k = 0; k < 9; ++k) {
+      covered(x + k % 3 - 1, y + k / 3 - 1) = 1;
+    }
+  }
+
+  double pixels_ = 0.0;
+  double covered_ = 0.0;
+};
+
 /// Squares of means over 3 x 3 pixels, and of differences of neighbours.
 struct EvenSums {
   /// Of independent noise: means of 3 x 3 overlap, 2 (19 / 9)^2, and the noise is estimated,

@@ -35,6 +35,7 @@ using validate_detail::score_of;
 using validate_detail::step_of;
 
 constexpr Index kMinPixels = 200;
+constexpr double kMinCover = 0.5;  ///< of a part whose even differences tell of all of it
 constexpr int kRounds = 6;
 constexpr double kSettledMm = 0.1;
 constexpr double kLongestPolishMm = 2.0;  ///< derivatives are not those of places farther away
@@ -82,6 +83,7 @@ class GreyFitter {
     for (std::size_t d = 0; d < fits.size(); ++d) {
       tell(best, d, fits[d]);
       fits[d].kept = kept;
+      tell_thin(model().even_cover(d), fits[d]);
       if (!is_searching) {
         fits[d].faults = {GreyFault::kExposure};
         fits[d].values[0].sigma = sigma_of_exposure(fits[d]);
@@ -342,6 +344,15 @@ class GreyFitter {
     fit.after = even_share(best.state, design);
     fit.rounding = model().rounding_share(design);
     fit.renders = model().renders();
+  }
+
+  /// Without a block of pixels whose mean could be even nothing but the exposure is told.
+  static void tell_thin(double cover, GreyFit& fit) {
+    fit.is_thin = fit.is_known && cover < kMinCover;
+    if (fit.is_thin && cover <= 0.0) {
+      fit.is_exposure_only = true;
+      fit.before = std::abs(1.0 - 1.0 / fit.change.exposure);
+    }
   }
 
   void put_change(const Fitted& best, GreyFit& fit) const {

@@ -57,7 +57,8 @@ struct GreyValue {
 struct GreyFit {
   bool is_known = false;  ///< false: too few pixels of the part, or no light
   bool is_exposure_only =
-      false;  ///< nothing else is fitted, and `exposed` and `after` are not known
+      false;             ///< nothing else is fitted, and `exposed` and `after` are not known
+  bool is_thin = false;  ///< its part: most of it shows no even differences
   std::vector<GreyFault> faults;  ///< that the pictures ask for; exposure is always free
   std::vector<GreyValue> values;  ///< of exposure and these
   /// All others, as designed, with the sigma that they would have if they were free beside these;

@@ -316,6 +316,16 @@ double GreyModel::even_rms(const Eigen::VectorXd& difference, std::size_t design
   return unit / means_[design] * std::sqrt(std::max(0.0, even * even - rounded * rounded));
 }
 
+double GreyModel::even_cover(std::size_t design) const {
+  EvenCover cover;
+  for (const SmallView& view : views_) {
+    if (view.design == design) {
+      cover.add(view.used);
+    }
+  }
+  return cover.share();
+}
+
 /// Costs the first rendering of columns(), which is kept.
 void GreyModel::keep_rounding() {
   rounding_.assign(designs_.size(), std::numeric_limits<double>::infinity());

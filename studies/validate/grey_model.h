@@ -100,6 +100,9 @@ class GreyModel {
   /// half of what a design shines, less half a step.
   double even_rms(const Eigen::VectorXd& difference, std::size_t design) const;
 
+  /// The share of a design's pixels whose even part even_rms() sees.
+  double even_cover(std::size_t design) const;
+
   /// The largest share by which that rounding may change the exposure of a design that is as bright
   /// as designed: what is found in its pictures has no part in it, or a dead light would be allowed
   /// whatever it lacks. Infinite for a design that is black.

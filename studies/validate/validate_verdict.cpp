@@ -249,6 +249,13 @@ class Judge {
     for (const DesignGrey& grey : f_.grey) {
       if (!grey.fit.is_known) {
         unknown_.push_back(grey.design);
+      } else if (grey.fit.is_thin) {
+        thin_.push_back(grey.design);
+        verdict_.notes.push_back(fmt::format(
+            "{}: most of its part is thinner than three pixels of the pictures that grey values "
+            "are compared in: powers of segments and where its light stands are {} there",
+            grey.design,
+            grey.fit.is_exposure_only ? "not looked at" : "hardly seen"));
       } else if (grey.fit.is_exposure_only) {
         verdict_.notes.push_back(fmt::format(
             "{}: its light is not path traced: of its grey values one exposure alone is fitted, "
@@ -373,6 +380,10 @@ class Judge {
     if (!unknown_.empty()) {
       text += fmt::format(" Grey values of {} could not be compared.", join(unknown_, ", "));
     }
+    if (!thin_.empty()) {
+      text += fmt::format(" Grey values of {} tell little but the exposure: the part is thin.",
+                          join(thin_, ", "));
+    }
     text += rankings_text(f_.rankings, verdict_.agreement != SidesAgreement::kDisagrees);
     if (f_.contrasts_apart > 0) {
       text += fmt::format(" Contrasts of {} of {} defects differ by more than {:.0f} %.",
@@ -385,6 +396,7 @@ class Judge {
   const ValidationFindings& f_;
   ValidateVerdict verdict_;
   std::vector<std::string> rounded_;  ///< designs whose grey values cannot be judged
+  std::vector<std::string> thin_;     ///< designs whose part is too thin for even differences
   std::vector<std::string> unknown_;  ///< designs that have none to compare
 };
 

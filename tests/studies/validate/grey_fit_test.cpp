@@ -116,11 +116,41 @@ TEST(GreyFit, KnowsNothingOfTheSegmentsOfALightThatIsDark) {
   EXPECT_EQ(segments, 8);
 }
 
+/// A plate of four pixels across, 140 along, under the ring.
+SceneSettings thin_plate() {
+  std::string text = kTrialScene;
+  const auto replace = [&text](const std::string& part, const std::string& by) {
+    ASSERT_NE(text.find(part), std::string::npos) << part;
+    text.replace(text.find(part), part.size(), by);
+  };
+  replace("length_mm = 48\nwidth_mm = 36", "length_mm = 42\nwidth_mm = 1.3");
+  replace("width_px = 204\nheight_px = 170", "width_px = 143\nheight_px = 20");
+  text.erase(text.find("[defects.dent]"), text.find("[lighting.ring]") - text.find("[defects"));
+  const TemporaryFolder folder;
+  write_file(folder / "scene.toml", text + "[metrics]\nerosion_px = 0\n");
+  return load_study(folder / "scene.toml", {}).scene;
+}
+
+// Two pixels lie inside its edges: no mean over 3 x 3 shows that a segment is dead.
+TEST(GreyFit, TellsTheExposureAloneOfAPartThatIsTooThin) {
+  const SceneChange dead = {
+      .lights = {{.name = "ring", .segment_power = {0, 1, 1, 1, 1, 1, 1, 1}}}};
+  SceneStore& store = store_of_fits();
+  const std::vector<GreyDesign> designs = {design_of(store, "thin", thin_plate(), dead, 1)};
+  const std::vector<GreyFit> fits = fit_grey(store, designs, {.agree_share = 0.03});
+  ASSERT_TRUE(fits.at(0).is_known);
+  EXPECT_TRUE(fits[0].is_thin);
+  EXPECT_TRUE(fits[0].is_exposure_only);
+  EXPECT_LT(fits[0].change.exposure, 0.98);
+  EXPECT_NEAR(fits[0].before, 1.0 / fits[0].change.exposure - 1.0, 1e-12);
+}
+
 // The ring shines in one design and takes the dome's light in the other: one place explains both.
 TEST(GreyFit, FindsALightThatShadesAnother) {
   const std::vector<GreyFit> fits = fit_trial({"ring", "dome"}, hidden_ring(), 2);
   ASSERT_EQ(fits.size(), 2U);
   for (const GreyFit& fit : fits) {
+    EXPECT_FALSE(fit.is_thin);
     EXPECT_NEAR(fit.change.exposure, 0.95, 0.0095);
     EXPECT_LT((place_of(fit, "ring") - kHiddenRing).norm(), 0.5)
         << place_of(fit, "ring").transpose();

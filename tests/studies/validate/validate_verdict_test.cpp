@@ -268,6 +268,15 @@ TEST(Verdict, DoesNotAgreeWhereTheRankingIsReversed) {
   EXPECT_THAT(verdict.sentence, HasSubstr("by evenness is another: b, a instead of a, b"));
 }
 
+TEST(Verdict, NamesDesignsWhosePartIsTooThin) {
+  ValidationFindings findings = alike();
+  findings.grey[0].fit.is_thin = true;
+  const ValidateVerdict verdict = judge(findings);
+  EXPECT_THAT(verdict.sentence, HasSubstr("Grey values of ring tell little but the exposure"));
+  ASSERT_EQ(verdict.notes.size(), 1U);
+  EXPECT_THAT(verdict.notes[0], HasSubstr("ring: most of its part is thinner than three pixels"));
+}
+
 TEST(Verdict, NamesDesignsWhoseGreyValuesCouldNotBeCompared) {
   ValidationFindings findings = alike();
   findings.grey.push_back({.design = "tunnel", .fit = {}});

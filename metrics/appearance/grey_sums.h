@@ -25,12 +25,14 @@ struct GreySums {
     differences += (real_grey - simulated_grey) * (real_grey - simulated_grey);
   }
 
-  /// Squares and products about the means, as a match with an offset takes them. Of >= 1 pixel.
+  /// Squares, products and differences about the means, as a match with an offset takes them: of
+  /// the differences what is left beyond a common one. Of >= 1 pixel.
   GreySums centred() const {
     GreySums sums = *this;
     sums.simulated_squares -= simulated * simulated / pixels;
     sums.real_squares -= real * real / pixels;
     sums.products -= simulated * real / pixels;
+    sums.differences -= (real - simulated) * (real - simulated) / pixels;
     return sums;
   }
 };

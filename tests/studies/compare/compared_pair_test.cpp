@@ -162,6 +162,34 @@ TEST_F(ComparePairTest, HasTheGainBetweenNoisyPictures) {
   EXPECT_LT(flat_off / static_cast<double>(kPairs), -1.6) << "the regression alone";
 }
 
+/// A surface whose greys have a deviation of 0.1, and noise of 0.005.
+ImageF waves(double gain, double offset, std::uint64_t index) {
+  ImageF picture(200, 160);
+  for (int y = 0; y < 160; ++y) {
+    for (int x = 0; x < 200; ++x) {
+      const double grey = 0.5 + 0.2 * std::sin(0.5 * x) * std::sin(0.4 * y);
+      picture(x, y) = static_cast<float>(gain * grey + offset);
+    }
+  }
+  add_normal_noise(picture, 0.005, index);
+  return picture;
+}
+
+// real = 1.01 simulated + 0.1. Beyond the common offset greys differ by 0.01 x 0.1 = 0.001 of the
+// gain and root 2 x 0.005 = 0.0071 of noise: the gain's share is 0.001^2 / (0.001^2 + 0.0071^2), or
+// 0.02. Nearly all of the misfit with its offset (0.105^2) would be the offset's.
+TEST_F(ComparePairTest, HasAShareOfTheGainBesideAnOffset) {
+  const ComparedPair pair =
+      compare(waves(1.0, 0.0, 0),
+              waves(1.01, 0.1, 1),
+              {.outline = OutlineChoice::kInner, .exposure = ExposureModel::kGainAndOffset});
+  const PairCauses causes = find_causes(pair);
+  ASSERT_EQ(causes.told.size(), 1U);
+  EXPECT_EQ(causes.told[0].name, "gain");
+  EXPECT_NEAR(causes.told[0].value, 1.01, 4.0 * causes.told[0].sigma);
+  EXPECT_NEAR(causes.told[0].share, 0.02, 0.02);
+}
+
 // Another picture altogether is not this one in another exposure.
 TEST_F(ComparePairTest, HasNoGainWithoutCorrelation) {
   ImageF noise(200, 160, 0.1F);

@@ -4,6 +4,7 @@
 // modelled wrongly grows outwards. Formulas: docs/theory/comparison.md.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,10 +35,12 @@ struct OffsetRing {
 struct RingOffsets {
   std::vector<OffsetRing> rings;
   /// Change of the radial and of the tangential offset over 1000 px of radius, common shift of the
-  /// picture taken out; interval of 95 %: neighbouring edges are resampled together.
-  Estimate radial_slope;
-  Estimate tangential_slope;
-  bool has_slopes = false;  ///< false: edges at too few places, or at one radius
+  /// picture taken out; interval of 95 %: neighbouring edges are resampled together. Empty: fewer
+  /// than 96 edges, or nearly at one radius, as those of a round part in the picture's middle. The
+  /// noise of such an edge is in its radius and, negated, in its offset, which by itself would make
+  /// a slope of nearly -1000 px over 1000 px.
+  std::optional<Estimate> radial_slope;
+  std::optional<Estimate> tangential_slope;
 };
 
 /// @param offsets    in the order of their boundaries: neighbours stand beside each other

@@ -20,8 +20,12 @@ Json optional_json(const std::optional<double>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-Json slope_json(const Estimate& slope) {
-  return {{"value", slope.value}, {"low", slope.low}, {"high", slope.high}, {"unit", "px/1000 px"}};
+Json slope_json(const std::optional<Estimate>& slope) {
+  return slope ? Json{{"value", slope->value},
+                      {"low", slope->low},
+                      {"high", slope->high},
+                      {"unit", "px/1000 px"}}
+               : Json(nullptr);
 }
 
 Json rings_json(const RingOffsets& rings) {
@@ -236,10 +240,8 @@ void add_agreement(const PairGeometry& geometry, Json& json) {
   json["mean_distance_px"] = if_edges(geometry.distance.mean_px);
   json["hd95_px"] = if_edges(geometry.distance.p95_px);
   json["offset_px"] = if_edges(geometry.distance.offset_px);
-  const bool has_slopes = geometry.rings.has_slopes;
-  json["ring_slope"] = has_slopes ? slope_json(geometry.rings.radial_slope) : Json(nullptr);
-  json["tangential_slope"] =
-      has_slopes ? slope_json(geometry.rings.tangential_slope) : Json(nullptr);
+  json["ring_slope"] = slope_json(geometry.rings.radial_slope);
+  json["tangential_slope"] = slope_json(geometry.rings.tangential_slope);
 }
 
 void add_appearance(const PairAppearance& look, Json& json) {

@@ -78,7 +78,7 @@ Json overlap_json(const std::string& design, const std::string& view, const Comp
   row["iou"] = optional_json(pair.geometry.iou);
   row["mean_distance_px"] = has_edges ? Json(pair.geometry.distance.mean_px) : Json(nullptr);
   row["hd95_px"] = has_edges ? Json(pair.geometry.distance.p95_px) : Json(nullptr);
-  row["ring_slope"] = rings.has_slopes ? estimated_json(rings.radial_slope) : Json(nullptr);
+  row["ring_slope"] = rings.radial_slope ? estimated_json(*rings.radial_slope) : Json(nullptr);
   return row;
 }
 

@@ -41,9 +41,9 @@ TEST(RingOffsets, TellsScaleAndTurnFromAShift) {
       0.0,
       0);
   const RingOffsets rings = ring_offsets(edges, kCentre, 5);
-  ASSERT_TRUE(rings.has_slopes);
-  EXPECT_NEAR(rings.radial_slope.value, 2.0, 1e-4);
-  EXPECT_NEAR(rings.tangential_slope.value, 1.0, 1e-4);
+  ASSERT_TRUE(rings.radial_slope && rings.tangential_slope);
+  EXPECT_NEAR(rings.radial_slope->value, 2.0, 1e-4);
+  EXPECT_NEAR(rings.tangential_slope->value, 1.0, 1e-4);
 }
 
 TEST(RingOffsets, ShowsTheMotionInEachRing) {
@@ -66,7 +66,7 @@ TEST(RingOffsets, HasIntervalsThatHold) {
   for (std::uint64_t i = 0; i < 200; ++i) {
     const auto edges =
         edges_moved_by([](const Vector2d& from) { return Vector2d(0.001 * from); }, 0.3, i);
-    const Estimate slope = ring_offsets(edges, kCentre).radial_slope;
+    const Estimate slope = ring_offsets(edges, kCentre).radial_slope.value();
     held += slope.low <= 1.0 && 1.0 <= slope.high ? 1 : 0;
     held_wrong += slope.low <= 1.5 && 1.5 <= slope.high ? 1 : 0;
   }
@@ -76,7 +76,7 @@ TEST(RingOffsets, HasIntervalsThatHold) {
 
 TEST(RingOffsets, HasNoSlopesOfAFewEdges) {
   const auto edges = edges_moved_by([](const Vector2d& from) { return Vector2d(from); }, 0.0, 0);
-  EXPECT_FALSE(ring_offsets(std::span(edges).first(20), kCentre).has_slopes);
+  EXPECT_FALSE(ring_offsets(std::span(edges).first(20), kCentre).radial_slope);
   EXPECT_TRUE(ring_offsets({}, kCentre).rings.empty());
 }
 
@@ -91,6 +91,47 @@ TEST(RingOffsets, KnowsWhatItsEdgesCannotTell) {
   EXPECT_TRUE(ring.has_radial);
   EXPECT_NEAR(ring.radial_px, 0.5, 1e-9);
   EXPECT_FALSE(ring.has_tangential);
+}
+
+/// Edges of a disc around `middle` in both pictures: the noise of one is in an edge's radius and,
+/// negated, in its offset.
+std::vector<EdgeOffset> edges_of_disc(double radius_px, const Vector2d& middle, double growth_px) {
+  constexpr double kNoise_px = 0.02;
+  Rng rng(12, Stream::kTest, 0);
+  std::vector<EdgeOffset> edges;
+  for (int i = 0; i < 1000; ++i) {
+    const double angle = 2.0 * kPi * i / 1000.0;
+    const Vector2d out(std::cos(angle), std::sin(angle));
+    const double noise_px = kNoise_px * rng.normal();
+    edges.push_back({.at_px = middle + (radius_px + noise_px) * out,
+                     .normal = out,
+                     .offset_px = growth_px - noise_px + kNoise_px * rng.normal()});
+  }
+  return edges;
+}
+
+// One radius tells no slope, whether the disc lies in the middle, grows, or lies 20 px beside it:
+// r = 120 + 20 cos(angle) then is what a shift along x does, but for some 2 px.
+TEST(RingOffsets, HasNoSlopesOfARoundPart) {
+  for (const double growth_px : {0.0, 0.5}) {
+    for (const double beside_px : {0.0, 20.0}) {
+      const auto edges = edges_of_disc(120.0, kCentre + Vector2d(beside_px, 0.0), growth_px);
+      const RingOffsets rings = ring_offsets(edges, kCentre);
+      EXPECT_FALSE(rings.radial_slope) << growth_px << " " << beside_px;
+      EXPECT_FALSE(rings.tangential_slope) << growth_px << " " << beside_px;
+    }
+  }
+}
+
+// With its bore, 40 px smaller, it tells a scale of 0.2 %, and that it is no turn stays untold.
+TEST(RingOffsets, HasTheRadialSlopeOfARing) {
+  std::vector<EdgeOffset> edges = edges_of_disc(120.0, kCentre, 0.24);
+  const std::vector<EdgeOffset> bore = edges_of_disc(80.0, kCentre, 0.16);
+  edges.insert(edges.end(), bore.begin(), bore.end());
+  const RingOffsets rings = ring_offsets(edges, kCentre);
+  ASSERT_TRUE(rings.radial_slope);
+  EXPECT_NEAR(rings.radial_slope->value, 2.0, 0.1);
+  EXPECT_FALSE(rings.tangential_slope);
 }
 
 }  // namespace

@@ -45,8 +45,8 @@ TEST_F(ComparePairTest, OfAPictureAndItselfWithOtherNoiseAgrees) {
 // 1 % larger: at the radius r the edge lies 0.01 r outside, whatever was done to find it.
 TEST_F(ComparePairTest, MeasuresAScale) {
   const ComparedPair pair = compare(drawn_blade(), drawn_blade({.scale = 1.01, .index = 1}));
-  ASSERT_TRUE(pair.geometry.rings.has_slopes);
-  EXPECT_NEAR(pair.geometry.rings.radial_slope.value, 10.0, 1.0);
+  ASSERT_TRUE(pair.geometry.rings.radial_slope.has_value());
+  EXPECT_NEAR(pair.geometry.rings.radial_slope->value, 10.0, 1.0);
   EXPECT_GT(pair.geometry.distance.offset_px, 0.2);
 }
 

@@ -137,25 +137,27 @@ TEST(RealBoard, EdgesOfRenderedSquaresLieOnThePhotographedOnes) {
   EXPECT_GE(share, 0.8);
   EXPECT_LE(edges.mean_px(), 0.35);
   const RingOffsets rings = ring_offsets(edges.offsets, {960.0, 600.0});
-  ASSERT_TRUE(rings.has_slopes);
+  ASSERT_TRUE(rings.radial_slope && rings.tangential_slope);
   std::printf("slopes: radial %.3f, tangential %.3f px per 1000 px\n",
-              rings.radial_slope.value,
-              rings.tangential_slope.value);
-  RecordProperty("radial_slope", fmt::format("{:.3f}", rings.radial_slope.value));
-  RecordProperty("tangential_slope", fmt::format("{:.3f}", rings.tangential_slope.value));
-  EXPECT_LT(std::abs(rings.radial_slope.value), 0.5);
-  EXPECT_LT(std::abs(rings.tangential_slope.value), 0.5);
+              rings.radial_slope->value,
+              rings.tangential_slope->value);
+  RecordProperty("radial_slope", fmt::format("{:.3f}", rings.radial_slope->value));
+  RecordProperty("tangential_slope", fmt::format("{:.3f}", rings.tangential_slope->value));
+  EXPECT_LT(std::abs(rings.radial_slope->value), 0.5);
+  EXPECT_LT(std::abs(rings.tangential_slope->value), 0.5);
 }
 
 /// The larger of both ring slopes over its standard deviation.
 double slope_sigmas(const BoardEdges& edges) {
   const RingOffsets rings = ring_offsets(edges.offsets, {960.0, 600.0});
-  EXPECT_TRUE(rings.has_slopes);
+  EXPECT_TRUE(rings.radial_slope && rings.tangential_slope);
   double most = 0.0;
-  for (const Estimate& slope : {rings.radial_slope, rings.tangential_slope}) {
-    const double sigma = (slope.high - slope.low) / (2.0 * 1.96);
-    std::printf("slope %.4f +- %.4f px per 1000 px\n", slope.value, sigma);
-    most = std::max(most, std::abs(slope.value) / sigma);
+  for (const std::optional<Estimate>& slope : {rings.radial_slope, rings.tangential_slope}) {
+    if (slope) {
+      const double sigma = (slope->high - slope->low) / (2.0 * 1.96);
+      std::printf("slope %.4f +- %.4f px per 1000 px\n", slope->value, sigma);
+      most = std::max(most, std::abs(slope->value) / sigma);
+    }
   }
   return most;
 }

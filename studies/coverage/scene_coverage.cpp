@@ -54,7 +54,8 @@ SceneSettings exposed(SceneStore& store,
 
 class Covering {
  public:
-  Covering(SceneStore& store, const SceneSettings& scene) : store_(store), scene_(scene) {
+  Covering(SceneStore& store, const SceneSettings& scene, int largest_k)
+      : store_(store), scene_(scene), largest_k_(largest_k) {
     result_.part = store.build(scene);
     check_cameras_outside_part(store, scene);
     result_.viewpoints = viewpoints_of(scene, result_.part->part);
@@ -89,13 +90,14 @@ class Covering {
     result_.coverage = coverage_of(used, result_.cells.areas_mm2, 1);
     result_.of_cell.resize(result_.cells.size());
     std::vector<std::int32_t> separated(result_.cells.size());
+    store_.pool().for_each(static_cast<std::int64_t>(result_.cells.size()),
+                           [&](std::int64_t cell) { judge_cell(static_cast<std::size_t>(cell)); });
     for (std::size_t cell = 0; cell < result_.cells.size(); ++cell) {
-      judge_cell(cell);
       separated[cell] = result_.of_cell[cell].separated;
       result_.state_shares[static_cast<std::size_t>(result_.of_cell[cell].state)] +=
           result_.cells.areas_mm2[cell] / result_.area_mm2;
     }
-    const int largest_k = std::clamp(static_cast<int>(result_.used.size()), 1, kLargestK);
+    const int largest_k = std::clamp(static_cast<int>(result_.used.size()), 1, largest_k_);
     result_.coverage.ck = shares_of_counts(separated, result_.cells.areas_mm2, largest_k);
     find_gap();
     return std::move(result_);
@@ -187,7 +189,7 @@ class Covering {
     if (all.views > 0) {
       all.incidence_rad = static_cast<float>(std::acos(std::min(straightest, 1.0)));
     }
-    all.separated = separated_count(directions, scene_.coverage.separation_rad, kLargestK);
+    all.separated = separated_count(directions, scene_.coverage.separation_rad, largest_k_);
   }
 
   void find_gap() {
@@ -224,6 +226,7 @@ class Covering {
 
   SceneStore& store_;
   SceneSettings scene_;
+  int largest_k_;
   SceneCoverage result_;
   std::vector<std::vector<Look>> views_;
 };
@@ -232,14 +235,15 @@ class Covering {
 
 SceneCoverage cover_scene(SceneStore& store,
                           const SceneSettings& scene,
-                          const CoverageProgress& progress) {
-  Covering covering(store, scene);
+                          const CoverageProgress& progress,
+                          int largest_k) {
+  Covering covering(store, scene, largest_k);
   covering.look(progress);
   return covering.judge();
 }
 
 Scores coverage_scores(SceneStore& store, const SceneSettings& scene) {
-  const SceneCoverage covered = cover_scene(store, scene);
+  const SceneCoverage covered = cover_scene(store, scene, {}, 2);
   const std::vector<double>& ck = covered.coverage.ck;
   return {{"coverage.c1", covered.coverage.c1()},
           {"coverage.c2", ck.size() > 1 ? ck[1] : 0.0},

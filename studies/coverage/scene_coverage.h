@@ -65,10 +65,12 @@ inline constexpr int kLargestK = 5;
 
 /// The part without its defects; as [coverage] says. Light counts where the scene has any. The same
 /// bytes for any number of threads.
+/// @param largest_k  >= 1: Ck and CellCoverage::separated up to it
 /// @throws ConfigError beginning with the key at fault, IoError
 SceneCoverage cover_scene(SceneStore& store,
                           const SceneSettings& scene,
-                          const CoverageProgress& progress = {});
+                          const CoverageProgress& progress = {},
+                          int largest_k = kLargestK);
 
 /// "coverage.c1" and the others of metrics/scores.h.
 /// @throws ConfigError, IoError as cover_scene()

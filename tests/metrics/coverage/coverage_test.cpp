@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "metrics/coverage/coverage.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -127,6 +130,64 @@ TEST(SeparatedCount, IsTheLargestChoiceNotTheFirst) {
   EXPECT_EQ(separated_count(directions, 0.0, 9), 3);
   EXPECT_EQ(separated_count(directions, 0.0, 2), 2);
   EXPECT_EQ(separated_count({}, 0.1, 9), 0);
+}
+
+/// Directions within an angle of +z, even over the sphere.
+std::vector<Vector3d> directions_in_cap(int count, double cap_rad, std::uint64_t index) {
+  Rng rng(3, Stream::kTest, index);
+  std::vector<Vector3d> directions;
+  for (int i = 0; i < count; ++i) {
+    const double z = rng.uniform(std::cos(cap_rad), 1.0);
+    const double turn = rng.uniform(0.0, 2.0 * kPi);
+    const double r = std::sqrt(1.0 - z * z);
+    directions.emplace_back(r * std::cos(turn), r * std::sin(turn), z);
+  }
+  return directions;
+}
+
+/// Of all subsets.
+int separated_of_all(const std::vector<Vector3d>& directions, double separation_rad, int enough) {
+  int best = 0;
+  for (std::uint32_t subset = 0; subset < 1U << directions.size(); ++subset) {
+    bool is_apart = true;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const bool has_both = (subset >> i & subset >> j & 1U) != 0;
+        is_apart = is_apart && !(has_both && directions[i].dot(directions[j]) >
+                                                 std::cos(separation_rad) + 1e-12);
+      }
+    }
+    best = is_apart ? std::max(best, std::popcount(subset)) : best;
+  }
+  return std::min(best, enough);
+}
+
+TEST(SeparatedCount, EqualsThatOfAllSubsets) {
+  std::array<int, 6> cases = {};
+  for (int i = 0; i < 100; ++i) {
+    const double cap_rad = (7.0 + 0.3 * i) * kRadPerDeg;
+    const auto directions = directions_in_cap(9, cap_rad, static_cast<std::uint64_t>(i));
+    for (const int enough : {2, 5}) {
+      const int count = separated_count(directions, 15.0 * kRadPerDeg, enough);
+      EXPECT_EQ(count, separated_of_all(directions, 15.0 * kRadPerDeg, enough)) << i;
+      ++cases[static_cast<std::size_t>(count)];
+    }
+  }
+  EXPECT_TRUE(std::ranges::all_of(std::span(cases).subspan(1), [](int n) { return n >= 5; }));
+}
+
+// Close together neither a second direction nor a fifth one is sought in all that there are: of 200
+// directions that is 2e4 pairs and 6e7 choices of four.
+TEST(SeparatedCount, OfManyDirectionsCloseTogetherLooksAtFewChoices) {
+  std::int64_t nodes = 0;
+  EXPECT_EQ(
+      separated_count(directions_in_cap(200, 7.0 * kRadPerDeg, 0), 15.0 * kRadPerDeg, 2, &nodes),
+      1);
+  EXPECT_LE(nodes, 2);
+  EXPECT_EQ(
+      separated_count(directions_in_cap(200, 14.0 * kRadPerDeg, 0), 15.0 * kRadPerDeg, 5, &nodes),
+      4);
+  EXPECT_LE(nodes, 2000);
 }
 
 /// A row of points, each linked with the next.

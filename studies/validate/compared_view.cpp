@@ -65,6 +65,8 @@ SeenContrasts contrasts_of(const InspectedPair& pair, double share) {
   for (std::size_t i = 0; i < pair.known.size(); ++i) {
     const SeenDefect& first = pair.simulated.defects[i];
     const SeenDefect& second = pair.real.defects[i];
+    seen.defects_simulated += first.is_beyond_picture ? 0 : 1;
+    seen.defects_real += second.is_beyond_picture ? 0 : 1;
     const std::string_view kind =
         kind_name(pair.known[i].is_line() ? DefectKind::kScratch : DefectKind::kHole);
     seen.right_simulated += first.found_as == kind ? 1 : 0;
@@ -87,6 +89,8 @@ void SeenContrasts::add(const SeenContrasts& other) {
   seen += other.seen;
   apart += other.apart;
   defects += other.defects;
+  defects_simulated += other.defects_simulated;
+  defects_real += other.defects_real;
   found_simulated += other.found_simulated;
   found_real += other.found_real;
   right_simulated += other.right_simulated;

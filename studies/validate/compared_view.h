@@ -31,8 +31,10 @@ std::optional<double> blur_difference(const ComparedPair& pair);
 /// Defects seen on both sides of a pair.
 struct SeenContrasts {
   int seen = 0;
-  int apart = 0;  ///< differ by more than the share, and beyond their intervals
-  int defects = 0;
+  int apart = 0;              ///< differ by more than the share, and beyond their intervals
+  int defects = 0;            ///< known ones
+  int defects_simulated = 0;  ///< of these not outside the simulated picture
+  int defects_real = 0;       ///< of these not outside the photograph
   int found_simulated = 0;
   int found_real = 0;
   int right_simulated = 0;  ///< of those found there, of the class that the defect has

@@ -59,10 +59,12 @@ Json seen_json(const validate_detail::SeenContrasts& seen) {
     return all > 0 ? estimated_json(wilson(hits, all)) : Json(nullptr);
   };
   return {{"defects", seen.defects},
+          {"defects_simulated", seen.defects_simulated},
+          {"defects_real", seen.defects_real},
           {"found_simulated", seen.found_simulated},
           {"found_real", seen.found_real},
-          {"rate_simulated", share(seen.found_simulated, seen.defects)},
-          {"rate_real", share(seen.found_real, seen.defects)},
+          {"rate_simulated", share(seen.found_simulated, seen.defects_simulated)},
+          {"rate_real", share(seen.found_real, seen.defects_real)},
           {"found_on_both", seen.found_both},
           {"same_class", seen.same_class},
           {"right_class_simulated", share(seen.right_simulated, seen.found_simulated)},

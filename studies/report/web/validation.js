@@ -67,7 +67,8 @@ function foundRows(design) {
   const seen = design.inspection;
   if (!seen.defects) return [];
   const rate = (value) => (value ? `${percent(value.value, 0)} (${percent(value.low, 0)} to ${percent(value.high, 0)})` : '\u2013');
-  return [h('tr', {}, h('td', {}, `${design.name}: defects found of ${seen.defects}; of ${seen.found_on_both} on both sides ${seen.same_class} of the same class`), cell(rate(seen.rate_simulated)), cell(rate(seen.rate_real))),
+  const beyond = seen.defects - seen.defects_real;
+  return [h('tr', {}, h('td', {}, `${design.name}: defects found of ${seen.defects}${beyond > 0 ? `, ${beyond} of them outside the photographs` : ''}; of ${seen.found_on_both} on both sides ${seen.same_class} of the same class`), cell(rate(seen.rate_simulated)), cell(rate(seen.rate_real))),
     h('tr', {}, h('td', {}, `${design.name}: found ones of the right class`), cell(rate(seen.right_class_simulated)), cell(rate(seen.right_class_real)))];
 }
 

@@ -121,6 +121,9 @@ TEST(CoverScene, CountsTwoViewsOnlyWhenTheyLookFromDirectionsApart) {
   ASSERT_EQ(covered.coverage.ck.size(), 3U);
   EXPECT_NEAR(covered.coverage.ck[1], kTop, 0.002);  // the third from 27 degrees beside
   EXPECT_EQ(covered.coverage.ck[2], 0.0);            // the second from 4 degrees beside the first
+  ThreadPool pool(2);
+  SceneStore store(pool);
+  EXPECT_EQ(coverage_scores(store, scene).at("coverage.c2"), covered.coverage.ck[1]);
   scene.coverage.separation_rad = 0.0;
   EXPECT_NEAR(cover(scene).coverage.ck[2], kTop, 0.002);
 }
@@ -163,6 +166,7 @@ TEST(CoverScene, IsTheSameForAnyNumberOfThreads) {
   const SceneCoverage one = cover(scene, 1);
   const SceneCoverage seven = cover(scene, 7);
   EXPECT_EQ(one.coverage.c1(), seven.coverage.c1());
+  EXPECT_EQ(one.coverage.ck, seven.coverage.ck);
   EXPECT_EQ(one.rays, seven.rays);
   for (std::size_t view = 0; view < one.visibility.num_views(); ++view) {
     EXPECT_TRUE(std::ranges::equal(one.visibility.row(view), seven.visibility.row(view)));

@@ -276,6 +276,19 @@ void withhold_turned(const ComparedPair& pair, PairCauses& causes) {
   }
 }
 
+/// Why roughness is not looked for; empty: it is.
+std::string reason_against_roughness(const ComparedPair& pair, const PairCauses& causes) {
+  if (pair.better_turn || causes.is_pose_doubtful) {
+    return "it is not sure where the part lies in the real picture.";
+  }
+  if (pair.appearance.correlation < kMinCorrelation) {
+    return fmt::format("the grey values of both pictures correlate by {:.2f} only, less than {}.",
+                       pair.appearance.correlation,
+                       kMinCorrelation);
+  }
+  return "";
+}
+
 }  // namespace
 
 std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene) {
@@ -323,14 +336,11 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known) {
 
 void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& causes) {
   const CompareSource& source = pair.simulated.source;
-  if (source.scene.empty() || pair.appearance.correlation < kMinCorrelation) {
+  if (source.scene.empty() || !compare_detail::tells_roughness(load_scene(source.scene))) {
     return;
   }
-  if (pair.better_turn || causes.is_pose_doubtful) {
-    if (compare_detail::tells_roughness(load_scene(source.scene))) {
-      causes.notes.emplace_back(
-          "Roughness was not looked for: it is not sure where the part lies in the real picture.");
-    }
+  if (const std::string reason = reason_against_roughness(pair, causes); !reason.empty()) {
+    causes.notes.push_back("Roughness was not looked for: " + reason);
     return;
   }
   PairCauses but_gain = causes;
@@ -338,7 +348,13 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
   // At the exposure of the simulated picture, wherever the part has moved since.
   const SceneSettings scene = with_equal_exposure(store, read_exposed_scene(source));
   const auto fit = compare_detail::fit_roughness(pair, refined_scene(scene, but_gain), store);
-  if (!fit || std::abs(fit->change) < kSurelySigmas * fit->sigma ||
+  if (!fit) {
+    causes.notes.emplace_back(
+        "Roughness could not be fitted: too few pixels of the sound part are within full scale, or "
+        "their grey values do not tell it from the gain.");
+    return;
+  }
+  if (std::abs(fit->change) < kSurelySigmas * fit->sigma ||
       fit->share < kMinShare * (1.0 - fit->gain_share)) {
     return;
   }

@@ -173,6 +173,46 @@ TEST_F(CompareFiles, RoughnessIsNotSoughtWhereThePartMayLieElsewhere) {
   }
 }
 
+/// A photograph of the plate beside its simulation at a roughness of 0.4, with a gain told.
+struct PlatePair {
+  ComparedPair pair;
+  PairCauses causes;
+};
+
+PlatePair plate_pair(const std::filesystem::path& folder, double real, ThreadPool& pool) {
+  write_file(folder / "scene.toml", metal_plate_text(120, 0.4));
+  PlatePair result;
+  result.pair.simulated.source.scene = folder / "scene.toml";
+  result.pair.simulated.source.picture = folder / "image.tif";
+  result.pair.real.grey = photographed(metal_plate(120, real), pool, 1.0);
+  result.pair.appearance.correlation = 0.9;
+  result.causes.gain = 0.5;
+  result.causes.told.push_back({.name = "gain", .value = 0.5, .sigma = 0.01, .of = "grey"});
+  return result;
+}
+
+TEST_F(CompareFiles, RoughnessIsNotSoughtWithoutCorrelation) {
+  ThreadPool pool(2);
+  PlatePair plates = plate_pair(folder(), 0.4, pool);
+  plates.pair.appearance.correlation = -0.44;
+  SceneStore store(pool);
+  add_roughness(plates.pair, store, plates.causes);
+  EXPECT_EQ(store.num_rendered(), 0);
+  EXPECT_EQ(plates.causes.told.size(), 1U);
+  ASSERT_EQ(plates.causes.notes.size(), 1U);
+  EXPECT_NE(plates.causes.notes[0].find("correlate by -0.44 only"), std::string::npos);
+}
+
+TEST_F(CompareFiles, RoughnessThatPixelsDoNotTellHasANote) {
+  ThreadPool pool(2);
+  PlatePair plates = plate_pair(folder(), 0.4, pool);
+  std::ranges::fill(plates.pair.real.grey.values(), 1.0F);  // clipped all over
+  SceneStore store(pool);
+  add_roughness(plates.pair, store, plates.causes);
+  ASSERT_EQ(plates.causes.notes.size(), 1U);
+  EXPECT_NE(plates.causes.notes[0].find("could not be fitted"), std::string::npos);
+}
+
 class UnsoughtRoughness : public CompareFiles {
  protected:
   /// Notes of a pair whose metal has a roughness, and one cause.

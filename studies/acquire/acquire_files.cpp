@@ -88,12 +88,10 @@ AcquisitionPlan AcquireFiles::open_work() const {
 AcquiredPicture AcquireFiles::described(const TakenPicture& picture) const {
   const ViewTask& task = work_.plan.tasks.at(picture.task);
   const std::string name = folder_name_of(task.name);
+  const std::string rejected = fmt::format("rejected/{}/frame_{:03}_try_", name, picture.position);
   const std::string file =
       picture.is_accepted ? fmt::format("views/{}/sequence/frame_{:03}.png", name, picture.position)
-                          : fmt::format("rejected/{}/frame_{:03}_try_{}.png",
-                                        name,
-                                        picture.position,
-                                        journal_.num_rejected(task.name, picture.position) + 1);
+                          : fmt::format("{}{}.png", rejected, journal_.next_try(rejected));
   AcquiredPicture described = {.view = task.name,
                                .position = picture.position,
                                .lights = task.lights,

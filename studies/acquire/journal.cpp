@@ -6,7 +6,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -291,10 +294,18 @@ void AcquireJournal::keep(AcquiredPicture picture, const std::string& bytes) {
   pictures_.push_back(std::move(picture));
 }
 
-int AcquireJournal::num_rejected(const std::string& view, int position) const {
-  return static_cast<int>(std::ranges::count_if(pictures_, [&](const AcquiredPicture& picture) {
-    return !picture.is_accepted && picture.view == view && picture.position == position;
-  }));
+int AcquireJournal::next_try(const std::string& stem) const {
+  int last = 0;
+  for (const AcquiredPicture& picture : pictures_) {
+    const std::string_view file = picture.file;
+    int number = 0;
+    if (file.starts_with(stem) &&
+        std::from_chars(file.data() + stem.size(), file.data() + file.size(), number).ec ==
+            std::errc()) {
+      last = std::max(last, number);
+    }
+  }
+  return last + 1;
 }
 
 void AcquireJournal::end_session() {

@@ -66,8 +66,9 @@ class AcquireJournal {
   /// @throws IoError: then it is as if the picture had never been taken
   void keep(AcquiredPicture picture, const std::string& bytes);
 
-  /// Tries of a picture that were rejected.
-  int num_rejected(const std::string& view, int position) const;
+  /// The number for the next rejected picture whose file is called `stem`, number, ".png": one more
+  /// than the largest that is there, as the files of earlier ones may be gone.
+  int next_try(const std::string& stem) const;
 
   /// The session ends as it should.
   void end_session();

@@ -143,6 +143,34 @@ TEST(AcquireJournal, LeavesNoBytesWithoutARow) {
   EXPECT_TRUE(journal.pictures().empty());
 }
 
+// A person has looked through the rejected pictures, and thrown away one of them.
+TEST(AcquireJournal, GivesNoNumberOfARejectedPictureTwice) {
+  const TemporaryFolder folder;
+  const std::string stem = "rejected/left/frame_001_try_";
+  const auto reject = [&stem](AcquireJournal& journal, int number) {
+    AcquiredPicture rejected = picture(1);
+    rejected.is_accepted = false;
+    rejected.file = fmt::format("{}{}.png", stem, number);
+    journal.keep(rejected, bytes_of(number));
+  };
+  {
+    AcquireJournal journal(folder / "", "plan");
+    journal.keep(picture(1), bytes_of(0));
+    EXPECT_EQ(journal.next_try(stem), 1);
+    for (int number = 1; number <= 10; ++number) {
+      reject(journal, number);
+    }
+    EXPECT_EQ(journal.next_try(stem), 11);
+    EXPECT_EQ(journal.next_try("rejected/left/frame_002_try_"), 1);
+  }
+  fs::remove(folder / (stem + "1.png"));
+  AcquireJournal again(folder / "", "plan");
+  EXPECT_EQ(again.pictures().size(), 10U);
+  EXPECT_EQ(again.next_try(stem), 11);
+  reject(again, again.next_try(stem));
+  EXPECT_EQ(again.pictures().size(), 11U);
+}
+
 /// Where something was noted after `from`; the end: it was not.
 std::size_t place_of(const std::vector<std::string>& order,
                      const std::string& what,

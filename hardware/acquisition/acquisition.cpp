@@ -65,6 +65,10 @@ class Acquisition {
 
  private:
   void take_all() {
+    if (result_.missing == 0) {
+      bring_to_safety();
+      return;
+    }
     guide_.find_place();
     for (std::size_t i = 0; i < plan_.tasks.size(); ++i) {
       if (!plan_.tasks[i].positions.empty()) {
@@ -73,6 +77,17 @@ class Acquisition {
     }
     all_lights_off();
     guide_.go_to_end([this] { look_for_interrupt(); });
+    note_end();
+  }
+
+  /// With nothing to take: an earlier session may have left the arm on its way.
+  void bring_to_safety() {
+    guide_.find_place(plan_.tour.size() - 1);
+    guide_.go_to_safe_point([this] { look_for_interrupt(); });
+    note_end();
+  }
+
+  void note_end() {
     result_.end = guide_.is_at_end() ? AcquisitionEnd::kTour : AcquisitionEnd::kBackedOut;
   }
 

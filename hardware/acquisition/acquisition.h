@@ -16,6 +16,9 @@
 //                                                              the last safe point, if its safety
 //                                                              mode is normal and it is on the tour
 //   the arm itself                                             nothing moves any more
+//
+// Where nothing is to be taken, an arm at a safe point stays there; any other goes to the one that
+// the fewest legs lead to.
 #pragma once
 
 #include <atomic>

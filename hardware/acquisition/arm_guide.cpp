@@ -54,10 +54,10 @@ void ArmGuide::normal_state() const {
   }
 }
 
-void ArmGuide::find_place() {
+void ArmGuide::find_place(std::size_t near) {
   fresh_state();
   const StillPose pose = still(kSettleS);
-  place_ = place_on(tour_, pose.joints_rad, last_point_);
+  place_ = place_on(tour_, pose.joints_rad, near);
   if (!place_) {
     has_failed_ = true;
     throw ArmFailure{
@@ -101,6 +101,14 @@ void ArmGuide::go_to_end(const std::function<void()>& before_each) {
     before_each();
     normal_state();
     go(place_.value().is_point ? place_->leg + 1 : place_->ahead());
+  }
+}
+
+void ArmGuide::go_to_safe_point(const std::function<void()>& before_each) {
+  for (const std::size_t point : way_to_safe_point(tour_, place_.value())) {
+    before_each();
+    normal_state();
+    go(point);
   }
 }
 

@@ -25,7 +25,8 @@ class ArmGuide {
       : tour_(tour), robot_(robot), speed_share_(speed_share) {}
 
   /// Waits until the arm stands still, and finds it on the tour. @throws ArmFailure
-  void find_place();
+  /// @param near  of several points at the same place the one that is nearest to this one
+  void find_place(std::size_t near = 0);
 
   /// Points to go to for a view's. @throws ArmFailure when the place is not known
   std::vector<std::size_t> way(std::size_t goal) const;
@@ -37,6 +38,10 @@ class ArmGuide {
   /// To the tour's last point where that is safe; else back.
   /// @param before_each  is called before each leg, and may throw
   void go_to_end(const std::function<void()>& before_each);
+
+  /// To the safe point that the fewest legs lead to, on or back; from a safe one nowhere.
+  /// @param before_each  as above
+  void go_to_safe_point(const std::function<void()>& before_each);
 
   bool is_at_end() const;
 

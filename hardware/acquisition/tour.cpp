@@ -102,6 +102,18 @@ std::vector<std::size_t> way_back(const Tour& tour, const TourPlace& place) {
   return way;
 }
 
+std::vector<std::size_t> way_to_safe_point(const Tour& tour, const TourPlace& place) {
+  const std::vector<std::size_t> back = way_back(tour, place);
+  std::vector<std::size_t> on;
+  for (std::size_t i = place.leg + 1; i < tour.size() && on.size() < back.size(); ++i) {
+    on.push_back(i);
+    if (tour[i].is_safe) {
+      return on;
+    }
+  }
+  return back;
+}
+
 std::string place_text(const Tour& tour, const TourPlace& place) {
   if (place.is_point) {
     return name_of_point(tour, place.leg);

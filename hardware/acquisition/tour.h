@@ -53,6 +53,10 @@ std::vector<std::size_t> way_to(const TourPlace& place, std::size_t goal);
 /// Points back to the nearest safe one along the way it came; empty: it is there.
 std::vector<std::size_t> way_back(const Tour& tour, const TourPlace& place);
 
+/// Points to the safe one that the fewest legs lead to, on or back; on, where these are as many.
+/// Empty: it is there.
+std::vector<std::size_t> way_to_safe_point(const Tour& tour, const TourPlace& place);
+
 /// "home", "between left and right", "at point 3": for people.
 std::string place_text(const Tour& tour, const TourPlace& place);
 

@@ -192,6 +192,44 @@ TEST(Acquire, BeginsWhereAKilledRunLeftTheArm) {
   }
 }
 
+// All pictures are there, and the session that took them was ended before it could tell so.
+TEST(Acquire, WithNothingToTakeOnlyBringsTheArmToTheNearestSafePoint) {
+  struct Case {
+    JointVector start;
+    int motions;
+    AcquisitionEnd end;
+  };
+
+  for (const Case& one : {Case{joints(0, 0), 0, AcquisitionEnd::kTour},
+                          Case{joints(1.0, 0.5), 1, AcquisitionEnd::kTour},
+                          Case{joints(0.5, 0.1), 2, AcquisitionEnd::kBackedOut},
+                          Case{joints(0.25, 0), 1, AcquisitionEnd::kBackedOut}}) {
+    Bench bench(0);
+    bench.cell.joints_ = one.start;
+    const AcquisitionResult result = bench.run();
+    EXPECT_TRUE(result.is_complete()) << result.text;
+    EXPECT_EQ(bench.cell.motions, one.motions) << one.start.transpose();
+    EXPECT_EQ(result.end, one.end);
+    EXPECT_EQ(result.where, "home");
+    EXPECT_EQ(bench.cell.joints_, joints(0, 0));
+    EXPECT_TRUE(bench.taken.empty());
+  }
+}
+
+TEST(Acquire, WithNothingToTakeHeedsTheUserAndTheSafetyMode) {
+  Bench interrupted(0);
+  interrupted.cell.joints_ = joints(0.5, 0);
+  interrupted.cell.interrupt = 1;
+  const AcquisitionResult result = interrupted.run();
+  EXPECT_EQ(result.cause, AcquisitionCause::kInterrupted);
+  EXPECT_EQ(result.end, AcquisitionEnd::kBackedOut);
+  Bench reduced(0);
+  reduced.cell.joints_ = joints(0.5, 0);
+  reduced.cell.safety = SafetyMode::kReduced;
+  EXPECT_EQ(reduced.run().cause, AcquisitionCause::kRobot);
+  EXPECT_EQ(reduced.cell.motions, 0);
+}
+
 struct Row {
   FakeFault fault;
   AcquisitionCause cause;

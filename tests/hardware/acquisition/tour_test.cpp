@@ -65,5 +65,19 @@ TEST(WayBack, EndsAtTheFirstSafePoint) {
   EXPECT_THAT(way_back(tour(), {.leg = 0}), IsEmpty());
 }
 
+TEST(WayToSafePoint, IsTheOneOfFewerLegs) {
+  EXPECT_THAT(way_to_safe_point(tour(), {.leg = 1}), ElementsAre(0U));
+  EXPECT_THAT(way_to_safe_point(tour(), {.leg = 2}), ElementsAre(3U));
+  EXPECT_THAT(way_to_safe_point(tour(), {.leg = 1, .is_point = false}), ElementsAre(2U, 3U))
+      << "as many on as back";
+  EXPECT_THAT(way_to_safe_point(tour(), {.leg = 0, .is_point = false}), ElementsAre(0U));
+  EXPECT_THAT(way_to_safe_point(tour(), {.leg = 2, .is_point = false}), ElementsAre(3U));
+  EXPECT_THAT(way_to_safe_point(tour(), {.leg = 0}), IsEmpty());
+  EXPECT_THAT(way_to_safe_point(tour(), {.leg = 3}), IsEmpty());
+  Tour open = tour();
+  open.pop_back();
+  EXPECT_THAT(way_to_safe_point(open, {.leg = 2}), ElementsAre(1U, 0U)) << "none is ahead";
+}
+
 }  // namespace
 }  // namespace glint

@@ -2,9 +2,7 @@
 #include "studies/acquire/acquire_run.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,10 +14,8 @@
 #include "studies/acquire/acquire_files.h"
 #include "studies/acquire/acquired.h"
 #include "studies/acquire/cell_devices.h"
-#include "studies/acquire/plan_digest.h"
-#include "studies/acquire/source_files.h"
+#include "studies/acquire/prepared_acquisition.h"
 #include "studies/cell/cell_copy.h"
-#include "studies/cell/ready_file.h"
 #include "studies/output/output_folder.h"
 #include "studies/output/provenance.h"
 #include "studies/output/result_folder.h"
@@ -27,62 +23,12 @@
 namespace glint {
 namespace {
 
+using acquire_detail::has_picture;
+using acquire_detail::is_whole;
+using acquire_detail::nothing_to_take;
+using acquire_detail::prepare;
+using acquire_detail::Prepared;
 using Json = nlohmann::ordered_json;
-namespace fs = std::filesystem;
-
-const std::array<std::string, 9> result_names = {"acquired.json",
-                                                 "poses.csv",
-                                                 "views",
-                                                 "rejected",
-                                                 "scene.toml",
-                                                 "cell.toml",
-                                                 "calibration.toml",
-                                                 "journal.sqlite",
-                                                 "run.json"};
-
-/// Everything that is read before anything is connected.
-struct Prepared {
-  Cell cell;
-  AcquireSource source;
-  AcquireWork work;
-  fs::path folder;
-  std::string digest;  ///< digest_in() the folder
-};
-
-/// What is read before anything is connected, and has to lie elsewhere than what is written.
-std::vector<fs::path> files_read(const Prepared& ready, const fs::path& source) {
-  const SourceFiles named = files_of(source);
-  std::vector<fs::path> files = {ready.cell.file, ready.cell.calibration, named.plan, named.scene};
-  if (ready.source.scene) {
-    std::ranges::copy(input_files(*ready.source.scene), std::back_inserter(files));
-  }
-  return files;
-}
-
-Prepared prepare(const AcquireOptions& options) {
-  Prepared ready = {.cell = read_cell(options.cell)};
-  if (!options.twin.empty()) {
-    ready.cell = with_ports(std::move(ready.cell), options.twin, DrivenDevices::kAll);
-  }
-  if (!options.views.empty()) {
-    ready.cell.views = options.views;
-  }
-  ready.source = read_source(options.source);
-  if (options.plan) {
-    ready.source.plan = options.plan;
-    ready.source.is_plan_free = true;
-  }
-  ready.work = work_of(ready.source, ready.cell, options.speed_share);
-  const fs::path named = options.source.empty() ? options.cell : options.source;
-  const fs::path parent = fs::is_directory(named) ? named : fs::absolute(named).parent_path();
-  ready.folder = options.out.empty()
-                     ? default_result_folder(parent.filename().string(), ResultKind::kAcquire)
-                     : options.out;
-  check_result_folder(ready.folder, ResultKind::kAcquire, result_names);
-  check_inputs_kept(files_read(ready, options.source), ready.folder, result_names);
-  ready.digest = digest_in(ready.folder, ready.work, ready.source, ready.cell);
-  return ready;
-}
 
 Json unplanned(const ViewPlan& views) {
   Json list = Json::array();
@@ -121,57 +67,12 @@ void write_inputs(const Prepared& ready, Json& head) {
   }
 }
 
-bool is_there(const std::vector<AcquiredPicture>& pictures, const ViewTask& task, int position) {
-  return std::ranges::any_of(pictures, [&](const AcquiredPicture& picture) {
-    return picture.is_accepted && picture.view == task.name && picture.position == position;
-  });
-}
-
-/// Every picture that is wanted is there, as it was taken.
-bool is_whole(const Prepared& ready) {
-  const std::vector<AcquiredPicture> there =
-      whole_pictures(ready.folder, ready.digest, ready.work.grounds);
-  return std::ranges::all_of(ready.work.plan.tasks, [&](const ViewTask& task) {
-    return std::ranges::all_of(task.positions,
-                               [&](int position) { return is_there(there, task, position); });
-  });
-}
-
 /// Pictures that are there need no lights any more.
 void check_lights(const Prepared& ready) {
   const std::vector<Problem> problems = shared_outputs(ready.cell);
   if (!problems.empty() && !is_whole(ready)) {
     throw_if_any(problems);
   }
-}
-
-/// Whether acquired.json was written after the last picture was taken, and each view has its mean.
-bool tells_all(const Prepared& ready) {
-  const Acquired acquired = read_acquired(ready.folder);
-  return std::ranges::all_of(ready.work.plan.tasks, [&](const ViewTask& task) {
-    const fs::path mean = acquired.aspect_of(task.name);
-    std::error_code none;
-    return std::ranges::all_of(
-               task.positions,
-               [&](int position) { return is_there(acquired.pictures, task, position); }) &&
-           fs::exists(mean) && fs::file_size(mean, none) > 0;
-  });
-}
-
-/// What a folder tells in which nothing is missing: nobody has to move for it. Empty: something is,
-/// or it was cut short before it could tell.
-std::optional<Json> nothing_to_take(const Prepared& ready) {
-  const fs::path file = ready.folder / "acquired.json";
-  if (!fs::exists(file) || !is_whole(ready)) {
-    return std::nullopt;
-  }
-  Json told = Json::parse(read_file(file), nullptr, false);
-  if (!told.is_object() || told.value("status", "stopped") == "stopped" || !tells_all(ready)) {
-    return std::nullopt;
-  }
-  told["counts"]["resumed"] = told["counts"]["accepted"];
-  told["counts"]["taken_now"] = told["counts"]["rejected_now"] = 0;
-  return told;
 }
 
 /// What a person has to do first, and has not confirmed.
@@ -232,7 +133,7 @@ Json described_tasks(const std::vector<ViewTask>& tasks,
   Json views = Json::array();
   for (const ViewTask& task : tasks) {
     const auto missing = std::ranges::count_if(
-        task.positions, [&](int position) { return !is_there(there, task, position); });
+        task.positions, [&](int position) { return !has_picture(there, task, position); });
     views.push_back({{"view", task.name},
                      {"lights", task.lights},
                      {"exposure_us", task.exposure_us},

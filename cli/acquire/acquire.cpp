@@ -2,12 +2,14 @@
 #include "cli/acquire/acquire.h"
 
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "cli/acquire/driven_session.h"
 #include "cli/shell/exit_codes.h"
 #include "core/shell_word.h"
+#include "core/text.h"
 #include "studies/acquire/acquire_run.h"
 #include "studies/cell/typed_permit.h"
 
@@ -16,8 +18,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// "--mounted wide", and that another name which was typed has to go.
-std::string mounted_text(const Json& next) {
+/// "--mounted wide", and that another name which was typed has to go, or "--confirmed ring".
+std::string confirming_text(const Json& next) {
+  if (next.contains("lights")) {
+    std::vector<std::string> options;
+    for (const Json& light : next["lights"]) {
+      options.push_back("--confirmed " + shell_word(light.get<std::string>()));
+    }
+    return join(options, " ");
+  }
   return fmt::format("--mounted {}{}",
                      shell_word(next["design"].get<std::string>()),
                      next["in_place_of"].empty() ? "" : " in the place of the other");
@@ -47,8 +56,8 @@ std::string dry_run_text(const Json& result) {
                         view["reason"].get<std::string>());
   }
   if (const Json& next = result["next"]; !next.is_null()) {
-    text +=
-        fmt::format("  before it: {} ({})\n", next["text"].get<std::string>(), mounted_text(next));
+    text += fmt::format(
+        "  before it: {} ({})\n", next["text"].get<std::string>(), confirming_text(next));
   }
   return text;
 }
@@ -88,8 +97,10 @@ int exit_code_of(const Json& result) {
 }  // namespace
 
 std::string waiting_text(const Json& next, const std::string& again) {
-  return fmt::format(
-      "waiting: {}; then {} with {}\n", next["text"].get<std::string>(), again, mounted_text(next));
+  return fmt::format("waiting: {}; then {} with {}\n",
+                     next["text"].get<std::string>(),
+                     again,
+                     confirming_text(next));
 }
 
 AcquireAnswer acquire_answer(const Json& result, const std::string& again) {

@@ -19,7 +19,7 @@ struct AcquireArguments {
   bool is_move = false;        ///< --move: a person in front of the robot lets it move
   bool is_dry_run = false;
   double speed_share = 0.5;
-  std::vector<std::string> confirmed;  ///< lights that a person has seen to
+  std::vector<std::string> confirmed;  ///< manual lights that a person has set
   std::vector<std::string> mounted;    ///< designs whose prototypes a person has mounted
 };
 
@@ -30,11 +30,13 @@ struct AcquireAnswer {
 };
 
 /// What acquire_pictures() returned, told.
-/// @param again  the command that goes on, with --mounted, where a prototype is waited for
+/// @param again  the command that goes on, with --mounted or --confirmed, where a person is waited
+///               for
 AcquireAnswer acquire_answer(const nlohmann::ordered_json& result,
                              const std::string& again = "the same command");
 
-/// What a person has to do before `again` goes on with --mounted. @param next  acquire_pictures()'s
+/// What a person has to do before `again` goes on with --mounted or --confirmed.
+/// @param next  acquire_pictures()'s
 std::string waiting_text(const nlohmann::ordered_json& next, const std::string& again);
 
 /// @param is_silent  no progress bar

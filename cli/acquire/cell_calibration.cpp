@@ -62,6 +62,14 @@ std::string targets_text(const Json& result) {
   return text;
 }
 
+/// What a person has to do: put the part down, mount a prototype, or switch lights.
+std::string next_text(const Json& next) {
+  return next.contains("placement") ? fmt::format("{}; then the same command with --placed {}\n",
+                                                  next["text"].get<std::string>(),
+                                                  next["placement"].get<int>())
+                                    : waiting_text(next, "the same command");
+}
+
 std::string rounds_text(const Json& result) {
   std::string text;
   for (const Json& round : result["rounds"]) {
@@ -83,18 +91,13 @@ std::string rounds_text(const Json& result) {
   if (result["status"] == "stopped") {
     return text + end_text(result["end"]);
   }
+  if (result["status"] == "waiting") {
+    return text + next_text(result["next"]);
+  }
   text += fmt::format("{}: {} were asked for\n",
                       status_text(result["status"].get<std::string>()),
                       targets_text(result));
   return result["rounds"].empty() ? text : text + result["calibration"].get<std::string>() + "\n";
-}
-
-/// What a person has to do: put the part down, or mount a prototype.
-std::string next_text(const Json& next) {
-  return next.contains("design") ? waiting_text(next, "the same command")
-                                 : fmt::format("{}; then the same command with --placed {}\n",
-                                               next["text"].get<std::string>(),
-                                               next["placement"].get<int>());
 }
 
 std::string part_text(const Json& result) {
@@ -138,7 +141,8 @@ void add_part(const CellCalibrationArguments& arguments,
               const AcquireOptions& acquire,
               const MotionPermit& permit,
               Json& result) {
-  if (result.is_object() && (result["status"] == "stopped" || result["rounds"].empty())) {
+  if (result.is_object() && (result["status"] == "stopped" || result["status"] == "waiting" ||
+                             result["rounds"].empty())) {
     return;  // without a calibration the part's place means nothing
   }
   PlacePartOptions options = {.acquire = acquire,

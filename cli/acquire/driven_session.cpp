@@ -14,11 +14,8 @@
 namespace glint {
 namespace {
 
-/// A question to whoever sits at the terminal; nobody there is no.
+/// A question to whoever sits at the terminal.
 bool ask_person(const std::string& what) {
-  if (::isatty(STDIN_FILENO) == 0) {
-    return false;
-  }
   std::cerr << what << " - done? [y/N] " << std::flush;
   std::string answer;
   return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
@@ -53,7 +50,11 @@ DrivenSession::DrivenSession(bool is_silent)
 }
 
 void DrivenSession::attend(AcquireOptions& options) {
-  options.confirm = ask_person;
+  if (::isatty(STDIN_FILENO) != 0) {
+    options.confirm = ask_person;
+  }
+  lights_ = ConfirmedLights(options.confirmed);
+  options.lights = &lights_;
   options.interrupt = &interrupts_;
   options.progress = [this](int done, int total, const std::string& note) {
     if (!bar_) {

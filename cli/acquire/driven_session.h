@@ -29,12 +29,14 @@ class DrivenSession {
   /// @param is_silent  no progress bar
   explicit DrivenSession(bool is_silent);
 
-  /// Sets `confirm`, `interrupt` and `progress`. @param options  must not outlive this
+  /// Sets `confirm` where somebody is at the terminal, `lights`, `interrupt` and `progress`.
+  /// @param options  must not outlive this
   void attend(AcquireOptions& options);
 
  private:
   bool is_silent_;
   const std::atomic<int>& interrupts_;
+  ConfirmedLights lights_;
   std::unique_ptr<Progress> bar_;
 };
 

@@ -85,8 +85,8 @@ void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std:
   verb.add_option("--confirmed",
                   arguments.confirmed,
                   when +
-                      "name of a manual light that is set as it should be; you are asked for the "
-                      "others at the terminal")
+                      "name of a manual light that is already as its first picture needs it; you "
+                      "are asked for others, and later changes, at the terminal")
       ->type_name("NAME")
       ->allow_extra_args(false);
 }

@@ -54,9 +54,13 @@ bool OutputLight::is_on() const {
   return bit(outputs_.outputs(), index_);
 }
 
+std::string switch_request(const std::string& light, bool is_on) {
+  return fmt::format("turn {} the light {}", word(is_on), light);
+}
+
 void PromptedLight::set(bool is_on) {
-  if (!confirm_ || !confirm_(fmt::format(
-                       "turn {} the light {}, then leave the arm's reach", word(is_on), name_))) {
+  if (!confirm_ ||
+      !confirm_(is_on, switch_request(name_, is_on) + ", then leave the arm's reach")) {
     throw IoError(fmt::format("light {}: nobody confirms that it is {}", name_, word(is_on)));
   }
   is_on_ = is_on;

@@ -58,6 +58,13 @@ class SimulatedOutputs final : public DigitalOutputs {
 /// any other answer: false.
 using Confirm = std::function<bool(const std::string& what)>;
 
+/// Asks a person to switch one light, as Confirm does. @param what  switch_request(), and to leave
+/// the arm's reach
+using ConfirmSwitch = std::function<bool(bool is_on, const std::string& what)>;
+
+/// "turn on the light ring"
+std::string switch_request(const std::string& light, bool is_on);
+
 /// One light of a cell.
 class Light {
  public:
@@ -97,7 +104,7 @@ class OutputLight final : public Light {
 /// A light that a person turns on and off.
 class PromptedLight final : public Light {
  public:
-  PromptedLight(std::string name, Confirm confirm)
+  PromptedLight(std::string name, ConfirmSwitch confirm)
       : name_(std::move(name)), confirm_(std::move(confirm)) {}
 
   const std::string& name() const override { return name_; }
@@ -110,7 +117,7 @@ class PromptedLight final : public Light {
 
  private:
   std::string name_;
-  Confirm confirm_;
+  ConfirmSwitch confirm_;
   bool is_on_ = false;
 };
 

@@ -25,6 +25,7 @@ namespace {
 
 using acquire_detail::has_picture;
 using acquire_detail::is_whole;
+using acquire_detail::next_task;
 using acquire_detail::nothing_to_take;
 using acquire_detail::prepare;
 using acquire_detail::Prepared;
@@ -75,28 +76,38 @@ void check_lights(const Prepared& ready) {
   }
 }
 
-/// What a person has to do first, and has not confirmed.
-std::optional<std::string> open_wish(const Prepared& ready,
-                                     const AcquireOptions& options,
-                                     MountedPrototypes& prototypes) {
-  const bool is_taken = is_whole(ready);  // first: a folder of another plan is refused, not asked
-  const std::string design = prototypes.design_in(options.source);
-  std::optional<std::string> wish = prototypes.wish(design);
-  if (!wish || is_taken) {
-    return std::nullopt;
-  }
-  if (options.confirm && options.confirm(*wish)) {
-    prototypes.mount(design);
-    return std::nullopt;
-  }
-  return wish;
+/// What a person has to do next, and which names of --mounted that takes the place of.
+Json mounting_step(const std::string& design,
+                   const std::string& wish,
+                   const std::vector<std::string>& mounted) {
+  return {{"design", design}, {"text", wish}, {"in_place_of", mounted}};
 }
 
-/// What a person has to do next, and which names of --mounted that takes the place of.
-Json next_step(const std::string& design,
-               const std::string& wish,
-               const std::vector<std::string>& mounted) {
-  return {{"design", design}, {"text", wish}, {"in_place_of", mounted}};
+/// Manual lights that a person has to set for a view; null: none.
+Json light_step(const ConfirmedLights& lights, const Cell& cell, const ViewTask& task) {
+  const std::optional<LightWish> wish = light_wish(lights, cell, task);
+  return wish ? Json{{"lights", wish->lights}, {"text", wish->text}} : Json(nullptr);
+}
+
+/// What a person has to do first, and has not confirmed; null: nothing. Lights are asked for on the
+/// way where somebody is there.
+Json open_step(const Prepared& ready,
+               const AcquireOptions& options,
+               MountedPrototypes& prototypes,
+               const ConfirmedLights& lights) {
+  const ViewTask* task = next_task(ready);  // first: a folder of another plan is refused, not asked
+  const std::string design = prototypes.design_in(options.source);
+  const std::optional<std::string> wish = prototypes.wish(design);
+  if (task == nullptr) {
+    return nullptr;
+  }
+  if (wish) {
+    if (!options.confirm || !options.confirm(*wish)) {
+      return mounting_step(design, *wish, options.mounted);
+    }
+    prototypes.mount(design);
+  }
+  return options.confirm ? Json(nullptr) : light_step(lights, ready.cell, *task);
 }
 
 Json ended(const Prepared& ready, Json told) {
@@ -122,9 +133,13 @@ MountedPrototypes prototypes_of(const AcquireOptions& options) {
 Json described_step(const Prepared& ready, const AcquireOptions& options) {
   const MountedPrototypes prototypes = prototypes_of(options);
   const std::string design = prototypes.design_in(options.source);
-  const bool is_taken = is_whole(ready);
+  const ViewTask* task = next_task(ready);
   const auto wish = prototypes.wish(design);
-  return wish && !is_taken ? next_step(design, *wish, options.mounted) : Json(nullptr);
+  if (task == nullptr) {
+    return nullptr;
+  }
+  return wish ? mounting_step(design, *wish, options.mounted)
+              : light_step(ConfirmedLights(options.confirmed), ready.cell, *task);
 }
 
 /// @param there  pictures that the folder has already
@@ -264,15 +279,20 @@ Json acquire_pictures(const AcquireOptions& options,
   const auto start = std::chrono::steady_clock::now();
   const Prepared ready = prepare(options);
   check_lights(ready);
-  if (const auto wish = open_wish(ready, options, prototypes)) {
-    return waiting(ready, next_step(prototypes.design_in(options.source), *wish, options.mounted));
+  ConfirmedLights own(options.confirmed);
+  ConfirmedLights& lights = options.lights != nullptr ? *options.lights : own;
+  if (const Json step = open_step(ready, options, prototypes, lights); !step.is_null()) {
+    return waiting(ready, step);
   }
   if (std::optional<Json> told = nothing_to_take(ready)) {
     return ended(ready, std::move(*told));
   }
-  const auto confirm = [&options](const std::string& light, const std::string& what) {
-    return std::ranges::find(options.confirmed, light) != options.confirmed.end() ||
-           (options.confirm && options.confirm(what));
+  const auto confirm = [&](const std::string& light, bool is_on, const std::string& what) {
+    const bool is_so = lights.is_set(light, is_on) || (options.confirm && options.confirm(what));
+    if (is_so) {
+      lights.note(light, is_on);
+    }
+    return is_so;
   };
   CellDevices devices(ready.cell, permit, confirm, ready.work.num_positions, ready.work.step_mm);
   OutputFolder output(ready.folder);

@@ -16,6 +16,7 @@
 #include "hardware/light/light.h"
 #include "hardware/planning/view_plan.h"
 #include "hardware/robot/motion_permit.h"
+#include "studies/acquire/confirmed_lights.h"
 #include "studies/acquire/mounted_prototypes.h"
 #include "studies/cell/cell_file.h"
 
@@ -30,9 +31,12 @@ struct AcquireOptions {
   std::filesystem::path out;             ///< empty: out/<name>/acquire
   std::filesystem::path twin;            ///< ready file whose ports take the place of the cell's
   double speed_share = 0.5;              ///< of the cell's limits of speed
-  std::vector<std::string> confirmed;    ///< lights that a person has confirmed on the command line
+  std::vector<std::string> confirmed;    ///< manual lights that a person has set beforehand
   std::vector<std::string> mounted;      ///< designs whose prototypes a person has mounted
   Confirm confirm = {};                  ///< asks a person; empty: nobody is there
+  /// What became of `confirmed` in earlier acquisitions of the same command; null: this is the
+  /// only one.
+  ConfirmedLights* lights = nullptr;
   const std::atomic<int>* interrupt = nullptr;
   /// Pictures that are there, of how many, and where; may be empty.
   std::function<void(int done, int total, const std::string& note)> progress = {};
@@ -43,9 +47,12 @@ nlohmann::ordered_json describe_acquisition(const AcquireOptions& options);
 
 /// Takes what the folder does not have yet. A design whose lights may not be the ones that are
 /// mounted waits for a person, who is asked, or has named it in options.mounted: nothing is
-/// connected before.
+/// connected before. Nor is it where nobody is there to switch the manual lights that the first
+/// picture needs, and options.confirmed does not name them; one that has to be switched later ends
+/// the acquisition there.
 /// @return what acquired.json holds, and "folder", "ok", "counts"; of a design that waits "status"
-///         "waiting", "ok" false, and "next" with the "design" and what is to be done as "text"
+///         "waiting", "ok" false, and "next" with what is to be done as "text", and the "design",
+///         or the "lights" that are to be switched
 /// @throws NoViewTaken, ConfigError, IoError: before anything has moved
 nlohmann::ordered_json acquire_pictures(const AcquireOptions& options, const MotionPermit& permit);
 

@@ -29,12 +29,11 @@ std::unique_ptr<Camera> open_patiently(const CellCamera& settings) {
 
 }  // namespace
 
-CellDevices::CellDevices(
-    const Cell& cell,
-    const MotionPermit& permit,
-    const std::function<bool(const std::string& light, const std::string& what)>& confirm,
-    int positions,
-    double step_mm) {
+CellDevices::CellDevices(const Cell& cell,
+                         const MotionPermit& permit,
+                         const ConfirmLight& confirm,
+                         int positions,
+                         double step_mm) {
   throw_if_any(shared_outputs(cell));
   const UrSettings& robot = robot_of(cell);
   is_twin_ = is_robot_twin(cell);
@@ -47,8 +46,9 @@ CellDevices::CellDevices(
     const bool is_manual = light.kind == CellLight::Kind::kManual;
     if (is_manual) {
       lights_.push_back(std::make_unique<PromptedLight>(
-          light.name,
-          [confirm, name = light.name](const std::string& what) { return confirm(name, what); }));
+          light.name, [confirm, name = light.name](bool is_on, const std::string& what) {
+            return confirm(name, is_on, what);
+          }));
     } else {
       lights_.push_back(std::make_unique<OutputLight>(light.name, *outputs_, light.output));
     }

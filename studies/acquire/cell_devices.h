@@ -3,6 +3,7 @@
 // The devices of a cell, connected: what an acquisition is made with.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,14 +16,18 @@
 
 namespace glint {
 
+/// Asks a person to switch one of several lights, as ConfirmSwitch does.
+using ConfirmLight =
+    std::function<bool(const std::string& light, bool is_on, const std::string& what)>;
+
 class CellDevices {
  public:
-  /// @param confirm       asks a person about a light by its name and what is to be done
+  /// @param confirm       asks a person to switch the light of that name
   /// @param positions, step_mm  of the scan
   /// @throws ConfigError, IoError; nothing has moved then
   CellDevices(const Cell& cell,
               const MotionPermit& permit,
-              const std::function<bool(const std::string& light, const std::string& what)>& confirm,
+              const ConfirmLight& confirm,
               int positions,
               double step_mm);
 

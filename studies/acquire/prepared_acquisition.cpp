@@ -9,6 +9,7 @@
 
 #include "core/file.h"
 #include "studies/acquire/acquired.h"
+#include "studies/acquire/confirmed_lights.h"
 #include "studies/acquire/journal.h"
 #include "studies/acquire/plan_digest.h"
 #include "studies/acquire/source_files.h"
@@ -64,6 +65,7 @@ Prepared prepare(const AcquireOptions& options) {
   if (!options.views.empty()) {
     ready.cell.views = options.views;
   }
+  check_confirmed(options.confirmed, ready.cell);
   ready.source = read_source(options.source);
   if (options.plan) {
     ready.source.plan = options.plan;
@@ -87,13 +89,19 @@ bool has_picture(const std::vector<AcquiredPicture>& pictures, const ViewTask& t
   });
 }
 
-bool is_whole(const Prepared& ready) {
+const ViewTask* next_task(const Prepared& ready) {
   const std::vector<AcquiredPicture> there =
       whole_pictures(ready.folder, ready.digest, ready.work.grounds);
-  return std::ranges::all_of(ready.work.plan.tasks, [&](const ViewTask& task) {
-    return std::ranges::all_of(task.positions,
-                               [&](int position) { return has_picture(there, task, position); });
+  const std::vector<ViewTask>& tasks = ready.work.plan.tasks;
+  const auto next = std::ranges::find_if(tasks, [&there](const ViewTask& task) {
+    return !std::ranges::all_of(task.positions,
+                                [&](int position) { return has_picture(there, task, position); });
   });
+  return next == tasks.end() ? nullptr : &*next;
+}
+
+bool is_whole(const Prepared& ready) {
+  return next_task(ready) == nullptr;
 }
 
 std::optional<Json> nothing_to_take(const Prepared& ready) {

@@ -32,6 +32,9 @@ Prepared prepare(const AcquireOptions& options);
 /// Whether one of these pictures is the accepted one of a task at a position of the stage.
 bool has_picture(const std::vector<AcquiredPicture>& pictures, const ViewTask& task, int position);
 
+/// The first view in the order of the tour of which pictures are still to be taken; null: of none.
+const ViewTask* next_task(const Prepared& ready);
+
 /// Every picture that is wanted is there, as it was taken.
 bool is_whole(const Prepared& ready);
 

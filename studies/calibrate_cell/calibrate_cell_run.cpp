@@ -98,17 +98,21 @@ class CellCalibration {
     for (int round = 1; status.empty(); ++round) {
       status = status_after(round);
     }
-    return {{"schema", 1},
-            {"status", status},
-            {"ok", status == "good"},
-            {"folder", folder_.string()},
-            {"target_px", options_.targets.point_px},
-            {"target_mm", options_.targets.hand_eye_mm},
-            {"target_deg", options_.targets.hand_eye_deg},
-            {"rounds", rounds_},
-            {"refused", refused_},
-            {"end", end_},
-            {"calibration", (folder_ / "calibration" / "calibration.toml").string()}};
+    Json result = {{"schema", 1},
+                   {"status", status},
+                   {"ok", status == "good"},
+                   {"folder", folder_.string()},
+                   {"target_px", options_.targets.point_px},
+                   {"target_mm", options_.targets.hand_eye_mm},
+                   {"target_deg", options_.targets.hand_eye_deg},
+                   {"rounds", rounds_},
+                   {"refused", refused_},
+                   {"end", end_},
+                   {"calibration", (folder_ / "calibration" / "calibration.toml").string()}};
+    if (status == "waiting") {
+      result["next"] = next_;
+    }
+    return result;
   }
 
  private:
@@ -125,6 +129,10 @@ class CellCalibration {
     if (taken["status"] == "stopped") {
       end_ = taken["end"];
       return "stopped";
+    }
+    if (taken["status"] == "waiting") {
+      next_ = taken["next"];
+      return "waiting";
     }
     if (round == 1) {
       refused_ = unplanned_json(taken.value("unplanned", Json::array()));
@@ -351,6 +359,7 @@ class CellCalibration {
   Json next_plan_;                ///< of the next round; null: not needed so far
   Json refused_ = Json::array();  ///< poses that the last plan passed over
   Json end_;                      ///< of an acquisition that was stopped
+  Json next_;                     ///< what a person has to do before a round can be taken
 };
 
 }  // namespace

@@ -47,7 +47,7 @@ std::filesystem::path calibration_folder(const AcquireOptions& acquire);
 ///         "no_pose_helps" (status_after_round(): pictures have hardly helped, and the next poses
 ///         promise hardly anything), "max_rounds" (all were used), "no_pose_reached" (each pose
 ///         that was asked for is refused), "no_picture" (all pictures of the last round were
-///         rejected), "stopped"
+///         rejected), "stopped", "waiting" (for a person who switches the "lights" in "next")
 /// @throws ConfigError, IoError; what has been taken stays, and the same call goes on with it. Not
 ///         with a round that has not ended where something stands in its way by now, or an earlier
 ///         program chose its paths: ConfigError says what to remove

@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <regex>
 #include <string>
 #include <thread>
@@ -20,10 +19,10 @@
 
 #include "core/file.h"
 #include "core/rng.h"
-#include "hardware/robot/twin_proof.h"
 #include "optimizer/storage/sqlite.h"
 #include "tests/cli/acquire/arm_place.h"
 #include "tests/cli/acquire/gallery_cell.h"
+#include "tests/cli/acquire/small_twins.h"
 #include "tests/cli/program.h"
 #include "tests/cli/served_twins.h"
 
@@ -38,51 +37,6 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
-
-/// The gallery's cell with pictures of a quarter as many pixels, and an arm that moves 20 times as
-/// fast.
-class SmallTwins {
- public:
-  SmallTwins() {
-    write_file(folder / "truth.toml", small_truth());
-    write_file(folder / "cell.toml", fast_cell());
-    twins_.emplace(folder, "both", "cell.toml");
-  }
-
-  SmallTwins(const SmallTwins&) = delete;
-  SmallTwins& operator=(const SmallTwins&) = delete;
-
-  static Arguments acquire(const std::string& out) {
-    Arguments call = driving({"acquire"});
-    call.insert(call.end(), {"--out", out});
-    return call;
-  }
-
-  void fault(const std::string& what) const {
-    const fs::path socket = twins_->of("robot")["side_channel"].get<std::string>();
-    EXPECT_EQ(ask_side_channel(socket, "fault " + what).value_or("nobody"), "ok");
-  }
-
-  /// Bytes of all pictures that were kept, by their names.
-  std::map<std::string, std::string> pictures(const std::string& out) const {
-    std::map<std::string, std::string> found;
-    for (const auto& entry : fs::recursive_directory_iterator(folder / out / "views")) {
-      if (entry.is_regular_file()) {
-        found[entry.path().lexically_relative(folder / out).string()] = read_file(entry.path());
-      }
-    }
-    return found;
-  }
-
-  json acquired(const std::string& out) const {
-    return json::parse(read_file(folder / out / "acquired.json"));
-  }
-
-  TemporaryFolder folder;
-
- private:
-  std::optional<ServedTwins> twins_;  // after the folder
-};
 
 /// Poses of both agree to half a millionth of their own sigma or better: a twin stands where it is
 /// sent.
@@ -122,7 +76,8 @@ TEST(Acquire, TakesTheCellsViewsAndNothingTwice) {
   EXPECT_EQ(acquired["end"]["how"], "tour");
   EXPECT_EQ(acquired["end"]["where"], "above");
   EXPECT_EQ(twins.pictures("whole").size(), 10U);  // a frame and a mean for each view
-  EXPECT_EQ(twins.acquired("whole")["pictures"][3]["lights"], json::array({"bar"}));
+  EXPECT_EQ(twins.acquired("whole")["pictures"][0]["lights"], json::array({"ring"}));
+  EXPECT_EQ(twins.acquired("whole")["pictures"][3]["lights"], json::array({"ring", "bar"}));
   EXPECT_THAT(read_file(twins.folder / "whole/poses.csv"),
               HasSubstr("views/left/sequence/frame_000.png,"));
   twins.fault("protective_stop now");  // nobody who moves for it: it would be told
@@ -424,6 +379,7 @@ TEST(Acquire, TellsWhatItWouldDoAndConnectsToNothing) {
   EXPECT_EQ(plan["pictures"], 5);
   EXPECT_EQ(plan["views"][0]["view"], "straight");
   EXPECT_EQ(plan["legs"].size(), 6U);
+  EXPECT_EQ(plan["next"]["lights"], json::array({"ring"}));
   EXPECT_FALSE(fs::exists(folder / "out"));
   EXPECT_THAT(glint_in(folder, {"acquire", "--cell", cell}).err, HasSubstr("--move"));
   EXPECT_EQ(glint_in(folder, {"acquire", "none.toml", "--cell", cell, "--dry_run"}).code, 3);

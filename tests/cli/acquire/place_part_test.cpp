@@ -384,7 +384,11 @@ TEST_F(PartOfADesign, WaitsForItsPrototype) {
   EXPECT_EQ(next["status"], "waiting");
   EXPECT_EQ(next["next"]["design"], "narrow");
   EXPECT_EQ(next["next"]["in_place_of"], json({"wide"}));
-  EXPECT_EQ(place({"--mounted", "narrow"}).code, 3) << "nobody listens, nobody is asked";
+  const json light = json::parse(place({"--mounted", "narrow"}).out)["part"];
+  EXPECT_EQ(light["status"], "waiting");
+  EXPECT_EQ(light["next"]["lights"], json({"ring"}));
+  EXPECT_EQ(place({"--mounted", "narrow", "--confirmed", "ring"}).code, 3)
+      << "nobody listens, nobody is asked";
   EXPECT_THAT(place({"--mounted", "wider"}).err, HasSubstr("there are narrow, wide"));
   EXPECT_THAT(glint_in(folder_,
                        {"calibrate",

@@ -49,8 +49,10 @@ TEST(OutputLight, NeedsAnOutputThatThereIs) {
 
 TEST(PromptedLight, IsAsTheLastPersonConfirmed) {
   std::vector<std::string> asked;
+  std::vector<bool> states;
   bool answer = true;
-  PromptedLight bar("bar", [&](const std::string& what) {
+  PromptedLight bar("bar", [&](bool is_on, const std::string& what) {
+    states.push_back(is_on);
     asked.push_back(what);
     return answer;
   });
@@ -62,6 +64,7 @@ TEST(PromptedLight, IsAsTheLastPersonConfirmed) {
   EXPECT_THAT(asked,
               ElementsAre("turn on the light bar, then leave the arm's reach",
                           "turn off the light bar, then leave the arm's reach"));
+  EXPECT_THAT(states, ElementsAre(true, false));
   EXPECT_THROW(PromptedLight("bar", {}).set(true), IoError);
 }
 

@@ -88,7 +88,8 @@ std::string result_text(const Json& result) {
 }
 
 int exit_code_of(const Json& result) {
-  if (result["end"]["cause"] == "interrupted") {
+  const Json& end = result["end"];
+  if (end.is_object() && end["cause"] == "interrupted") {
     return kExitInterrupted;
   }
   return result["ok"] == true ? kExitDone : kExitNegative;
@@ -105,8 +106,9 @@ std::string waiting_text(const Json& next, const std::string& again) {
 
 AcquireAnswer acquire_answer(const Json& result, const std::string& again) {
   if (result["status"] == "waiting") {
-    return {
-        .json = result, .text = waiting_text(result["next"], again), .exit_code = kExitNegative};
+    return {.json = result,
+            .text = waiting_text(result["next"], again),
+            .exit_code = exit_code_of(result)};
   }
   return {.json = result, .text = result_text(result), .exit_code = exit_code_of(result)};
 }

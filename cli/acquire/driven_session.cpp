@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/acquire/driven_session.h"
 
+#include <poll.h>
+#include <sys/types.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <string>
 
 #include "cli/shell/interrupts.h"
@@ -14,11 +19,36 @@
 namespace glint {
 namespace {
 
-/// A question to whoever sits at the terminal.
-bool ask_person(const std::string& what) {
+/// A line of the terminal, without its end; none: it was closed, or the user wants it all to end.
+std::optional<std::string> line_of_terminal(const std::atomic<int>& interrupts) {
+  constexpr int kPatienceMs = 100;
+  std::string line;
+  while (interrupts == 0) {
+    pollfd waiting = {.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+    if (::poll(&waiting, 1, kPatienceMs) <= 0) {
+      continue;  // nothing was typed so far, or a signal came
+    }
+    std::array<char, 256> typed = {};
+    const ssize_t count = ::read(STDIN_FILENO, typed.data(), typed.size());
+    if (count == 0 || (count < 0 && errno != EINTR)) {
+      return std::nullopt;
+    }
+    line.append(typed.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    if (const std::size_t end = line.find('\n'); end != std::string::npos) {
+      return line.substr(0, end);
+    }
+  }
+  return std::nullopt;
+}
+
+/// A question to whoever sits at the terminal; Ctrl-C is no.
+bool ask_person(const std::string& what, const std::atomic<int>& interrupts) {
   std::cerr << what << " - done? [y/N] " << std::flush;
-  std::string answer;
-  return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
+  const std::optional<std::string> answer = line_of_terminal(interrupts);
+  if (!answer) {
+    std::cerr << '\n';
+  }
+  return answer == "y" || answer == "yes";
 }
 
 }  // namespace
@@ -51,7 +81,7 @@ DrivenSession::DrivenSession(bool is_silent)
 
 void DrivenSession::attend(AcquireOptions& options) {
   if (::isatty(STDIN_FILENO) != 0) {
-    options.confirm = ask_person;
+    options.confirm = [this](const std::string& what) { return ask_person(what, interrupts_); };
   }
   lights_ = ConfirmedLights(options.confirmed);
   options.lights = &lights_;

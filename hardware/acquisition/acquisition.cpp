@@ -23,16 +23,6 @@ struct Failure {
   std::string text;
 };
 
-/// Calls a device; what it throws becomes a failure of that kind.
-template <class Function>
-auto of_device(AcquisitionCause cause, const Function& function) {
-  try {
-    return function();
-  } catch (const Error& error) {
-    throw Failure{.cause = cause, .text = error.what()};
-  }
-}
-
 class Acquisition {
  public:
   Acquisition(const AcquisitionPlan& plan,
@@ -89,6 +79,21 @@ class Acquisition {
 
   void note_end() {
     result_.end = guide_.is_at_end() ? AcquisitionEnd::kTour : AcquisitionEnd::kBackedOut;
+  }
+
+  /// Calls a device; what it throws becomes a failure of that kind. The user who wants it to end
+  /// leaves what a person is asked to do undone.
+  template <class Function>
+  auto of_device(AcquisitionCause cause, const Function& function) const {
+    try {
+      return function();
+    } catch (const Error& error) {
+      if (is_interrupted()) {
+        throw Failure{.cause = AcquisitionCause::kInterrupted,
+                      .text = std::string(kInterruptedText) + "; " + error.what()};
+      }
+      throw Failure{.cause = cause, .text = error.what()};
+    }
   }
 
   void take_view(std::size_t index) {
@@ -260,28 +265,28 @@ class Acquisition {
   void set_lights(const std::vector<std::string>& names) {
     lamp_states_.resize(devices_.lamps.size());
     for (std::size_t i = 0; i < devices_.lamps.size(); ++i) {
-      const CellLamp& lamp = devices_.lamps[i];
-      const bool is_on = std::ranges::find(names, lamp.light->name()) != names.end();
-      if (lamp_states_[i] == is_on) {
-        continue;
-      }
-      lamp_states_[i].reset();
-      of_device(AcquisitionCause::kLight, [&] { lamp.light->set(is_on); });
-      lamp_states_[i] = is_on;
-      settle_s_ = std::max(settle_s_, is_on ? lamp.settle_s : 0.0);
-      changed_at_ = Clock::now();
+      set_light(i, std::ranges::find(names, devices_.lamps[i].light->name()) != names.end());
     }
   }
 
-  void all_lights_off() {
-    std::vector<std::string> left_on;
-    for (std::size_t i = 0; i < lamp_states_.size(); ++i) {
-      if (devices_.lamps[i].is_left_on && lamp_states_[i] == true) {
-        left_on.push_back(devices_.lamps[i].light->name());
-      }
+  void set_light(std::size_t index, bool is_on) {
+    const CellLamp& lamp = devices_.lamps[index];
+    if (lamp_states_[index] == is_on) {
+      return;
     }
-    if (!lamp_states_.empty()) {
-      set_lights(left_on);
+    lamp_states_[index].reset();
+    of_device(AcquisitionCause::kLight, [&] { lamp.light->set(is_on); });
+    lamp_states_[index] = is_on;
+    settle_s_ = std::max(settle_s_, is_on ? lamp.settle_s : 0.0);
+    changed_at_ = Clock::now();
+  }
+
+  /// But for those that are left on, as they may be: for them somebody would have to be asked.
+  void all_lights_off() {
+    for (std::size_t i = 0; i < lamp_states_.size(); ++i) {
+      if (!devices_.lamps[i].is_left_on) {
+        set_light(i, false);
+      }
     }
   }
 
@@ -307,9 +312,11 @@ class Acquisition {
     }
   }
 
+  bool is_interrupted() const { return options_.interrupt != nullptr && *options_.interrupt > 0; }
+
   void look_for_interrupt() const {
-    if (options_.interrupt != nullptr && *options_.interrupt > 0) {
-      throw Failure{.cause = AcquisitionCause::kInterrupted, .text = "interrupted by the user"};
+    if (is_interrupted()) {
+      throw Failure{.cause = AcquisitionCause::kInterrupted, .text = kInterruptedText};
     }
   }
 
@@ -344,6 +351,7 @@ class Acquisition {
 
   using Clock = std::chrono::steady_clock;
   static constexpr double kRefusedPauseS = 0.25;
+  static constexpr const char* kInterruptedText = "interrupted by the user";
 
   const AcquisitionPlan& plan_;
   const AcquisitionDevices& devices_;

@@ -116,13 +116,13 @@ Json ended(const Prepared& ready, Json told) {
   return told;
 }
 
-Json waiting(const Prepared& ready, const Json& next) {
+Json waiting(const Prepared& ready, const AcquireOptions& options, const Json& next) {
   return {{"schema", 1},
           {"status", "waiting"},
           {"ok", false},
           {"folder", ready.folder.string()},
           {"next", next},
-          {"end", nullptr}};
+          {"end", interrupted_end(options)}};
 }
 
 MountedPrototypes prototypes_of(const AcquireOptions& options) {
@@ -268,6 +268,15 @@ Json describe_acquisition(const AcquireOptions& options) {
           {"motion_s", duration_of(tour, ready.cell, options.speed_share)}};
 }
 
+Json interrupted_end(const AcquireOptions& options) {
+  const bool is_interrupted = options.interrupt != nullptr && *options.interrupt > 0;
+  return is_interrupted ? Json{{"where", nullptr},
+                               {"how", name_of(AcquisitionEnd::kStopped)},
+                               {"cause", name_of(AcquisitionCause::kInterrupted)},
+                               {"text", "interrupted by the user at a question"}}
+                        : Json(nullptr);
+}
+
 Json acquire_pictures(const AcquireOptions& options, const MotionPermit& permit) {
   MountedPrototypes prototypes = prototypes_of(options);
   return acquire_pictures(options, prototypes, permit);
@@ -282,7 +291,7 @@ Json acquire_pictures(const AcquireOptions& options,
   ConfirmedLights own(options.confirmed);
   ConfirmedLights& lights = options.lights != nullptr ? *options.lights : own;
   if (const Json step = open_step(ready, options, prototypes, lights); !step.is_null()) {
-    return waiting(ready, step);
+    return waiting(ready, options, step);
   }
   if (std::optional<Json> told = nothing_to_take(ready)) {
     return ended(ready, std::move(*told));

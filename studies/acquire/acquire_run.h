@@ -45,6 +45,10 @@ struct AcquireOptions {
 /// What would be done. Reads files, connects to nothing.
 nlohmann::ordered_json describe_acquisition(const AcquireOptions& options);
 
+/// What "end" tells where a person was asked for something and nothing has been done: null, or,
+/// with the "cause" "interrupted", that the user wanted it to end instead.
+nlohmann::ordered_json interrupted_end(const AcquireOptions& options);
+
 /// Takes what the folder does not have yet. A design whose lights may not be the ones that are
 /// mounted waits for a person, who is asked, or has named it in options.mounted: nothing is
 /// connected before. Nor is it where nobody is there to switch the manual lights that the first
@@ -52,7 +56,7 @@ nlohmann::ordered_json describe_acquisition(const AcquireOptions& options);
 /// the acquisition there.
 /// @return what acquired.json holds, and "folder", "ok", "counts"; of a design that waits "status"
 ///         "waiting", "ok" false, and "next" with what is to be done as "text", and the "design",
-///         or the "lights" that are to be switched
+///         or the "lights" that are to be switched; "end" is then interrupted_end()
 /// @throws NoViewTaken, ConfigError, IoError: before anything has moved
 nlohmann::ordered_json acquire_pictures(const AcquireOptions& options, const MotionPermit& permit);
 

@@ -132,6 +132,7 @@ class CellCalibration {
     }
     if (taken["status"] == "waiting") {
       next_ = taken["next"];
+      end_ = taken["end"];
       return "waiting";
     }
     if (round == 1) {
@@ -358,7 +359,7 @@ class CellCalibration {
   bool is_aimed_ = false;         ///< the next poses are chosen for the hand-eye
   Json next_plan_;                ///< of the next round; null: not needed so far
   Json refused_ = Json::array();  ///< poses that the last plan passed over
-  Json end_;                      ///< of an acquisition that was stopped
+  Json end_;                      ///< of an acquisition that was stopped, or a question that was
   Json next_;                     ///< what a person has to do before a round can be taken
 };
 

@@ -82,6 +82,7 @@ class PartPlacing {
       }
       if (taken["status"] == "waiting") {
         next_ = taken["next"];
+        end_ = taken["end"];
         return result("waiting");
       }
       if (!is_known(number) && !find_edges(number)) {
@@ -133,6 +134,7 @@ class PartPlacing {
     const Confirm& ask = options_.acquire.confirm;
     if (options_.placed != number && !(ask && ask(wish(number)))) {
       next_ = {{"placement", number}, {"text", wish(number)}};
+      end_ = interrupted_end(options_.acquire);
       return false;
     }
     write_file_durably(folder_ / "placed.json", Json{{"placed", number}}.dump() + "\n");
@@ -346,7 +348,7 @@ class PartPlacing {
   MountedPrototypes prototypes_ = MountedPrototypes({}, {});  ///< of the scene's run
   Json placements_ = Json::array();
   Json next_;  ///< what a person has to do before it can go on
-  Json end_;   ///< of an acquisition that was stopped
+  Json end_;   ///< of an acquisition that was stopped, or a question that was
 };
 
 }  // namespace

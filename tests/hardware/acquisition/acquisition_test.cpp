@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "tests/hardware/acquisition/bench.h"
 #include "tests/hardware/acquisition/fake_cell.h"
 
 namespace glint {
@@ -17,82 +17,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-JointVector joints(double a, double b) {
-  JointVector vector = JointVector::Zero();
-  vector[0] = a;
-  vector[1] = b;
-  return vector;
-}
-
-/// home, a point on the way, left, right, home.
-Tour small_tour() {
-  return {{.name = "home", .joints_rad = joints(0, 0), .is_safe = true},
-          {.name = "", .joints_rad = joints(0.5, 0)},
-          {.name = "left", .joints_rad = joints(0.5, 0.5)},
-          {.name = "right", .joints_rad = joints(1.0, 0.5)},
-          {.name = "home", .joints_rad = joints(0, 0), .is_safe = true}};
-}
-
-AcquisitionPlan small_plan(int positions) {
-  AcquisitionPlan plan = {.tour = small_tour()};
-  std::vector<int> all;
-  for (int i = 0; i < positions; ++i) {
-    all.push_back(i);
-  }
-  plan.tasks = {
-      {.point = 2, .name = "left", .lights = {"ring"}, .exposure_us = 100, .positions = all},
-      {.point = 3, .name = "right", .lights = {"bar"}, .exposure_us = 200, .positions = all}};
-  return plan;
-}
-
-/// The devices of a FakeCell, and what came of them.
-struct Bench {
-  explicit Bench(int positions)
-      : plan(small_plan(positions)), cell(plan.tour), stage(positions, cell) {}
-
-  AcquisitionResult run() {
-    const AcquisitionDevices devices = {
-        .robot = robot,
-        .camera = camera,
-        .lamps = {{.light = &ring, .settle_s = 0.0}, {.light = &bar, .settle_s = 0.0}},
-        .stage = &stage,
-        .wait = [](double) {}};
-    AcquisitionOptions options;
-    options.interrupt = &cell.interrupt;
-    return acquire(plan, devices, options, [this](const TakenPicture& picture) {
-      if (cell.call(FakeFault::kSink)) {
-        throw IoError("no space left on device");
-      }
-      if (cell.call(FakeFault::kProgram)) {
-        throw std::runtime_error("a mistake");
-      }
-      taken.push_back(picture);
-      if (before_end && taken.size() == plan.tasks.size()) {
-        before_end();
-      }
-    });
-  }
-
-  /// Takes away what has been taken, as a resumed run does.
-  void forget_taken() {
-    for (const TakenPicture& picture : taken) {
-      if (picture.is_accepted) {
-        std::erase(plan.tasks[picture.task].positions, picture.position);
-      }
-    }
-  }
-
-  AcquisitionPlan plan;
-  FakeCell cell;
-  FakeRobot robot{cell};
-  FakeCamera camera{cell};
-  FakeLight ring{"ring", cell};
-  FakeLight bar{"bar", cell};
-  FakeStage stage;
-  std::vector<TakenPicture> taken;
-  std::function<void()> before_end = {};  ///< with as many pictures as views
-};
 
 TEST(Acquire, TakesEachPositionAtItsViewUnderItsLights) {
   Bench bench(2);
@@ -190,44 +114,6 @@ TEST(Acquire, BeginsWhereAKilledRunLeftTheArm) {
     EXPECT_EQ(bench.taken.size(), 2U);
     EXPECT_EQ(result.where, "home");
   }
-}
-
-// All pictures are there, and the session that took them was ended before it could tell so.
-TEST(Acquire, WithNothingToTakeOnlyBringsTheArmToTheNearestSafePoint) {
-  struct Case {
-    JointVector start;
-    int motions;
-    AcquisitionEnd end;
-  };
-
-  for (const Case& one : {Case{joints(0, 0), 0, AcquisitionEnd::kTour},
-                          Case{joints(1.0, 0.5), 1, AcquisitionEnd::kTour},
-                          Case{joints(0.5, 0.1), 2, AcquisitionEnd::kBackedOut},
-                          Case{joints(0.25, 0), 1, AcquisitionEnd::kBackedOut}}) {
-    Bench bench(0);
-    bench.cell.joints_ = one.start;
-    const AcquisitionResult result = bench.run();
-    EXPECT_TRUE(result.is_complete()) << result.text;
-    EXPECT_EQ(bench.cell.motions, one.motions) << one.start.transpose();
-    EXPECT_EQ(result.end, one.end);
-    EXPECT_EQ(result.where, "home");
-    EXPECT_EQ(bench.cell.joints_, joints(0, 0));
-    EXPECT_TRUE(bench.taken.empty());
-  }
-}
-
-TEST(Acquire, WithNothingToTakeHeedsTheUserAndTheSafetyMode) {
-  Bench interrupted(0);
-  interrupted.cell.joints_ = joints(0.5, 0);
-  interrupted.cell.interrupt = 1;
-  const AcquisitionResult result = interrupted.run();
-  EXPECT_EQ(result.cause, AcquisitionCause::kInterrupted);
-  EXPECT_EQ(result.end, AcquisitionEnd::kBackedOut);
-  Bench reduced(0);
-  reduced.cell.joints_ = joints(0.5, 0);
-  reduced.cell.safety = SafetyMode::kReduced;
-  EXPECT_EQ(reduced.run().cause, AcquisitionCause::kRobot);
-  EXPECT_EQ(reduced.cell.motions, 0);
 }
 
 struct Row {
@@ -394,29 +280,6 @@ TEST(Acquire, TellsWhyAnArmIsNotMovedAtTheBeginning) {
   EXPECT_EQ(result.cause, AcquisitionCause::kRobot);
   EXPECT_EQ(result.text, "robot mode IDLE");
   EXPECT_EQ(bench.cell.motions, 0);
-}
-
-TEST(Acquire, DoesNotMoveBackInAReducedSafetyMode) {
-  Bench bench(1);
-  bench.cell.safety = SafetyMode::kReduced;
-  bench.cell.fault = FakeFault::kSink;
-  const AcquisitionResult result = bench.run();
-  EXPECT_EQ(result.cause, AcquisitionCause::kSink);
-  EXPECT_EQ(result.end, AcquisitionEnd::kStopped);
-  EXPECT_THAT(result.text, HasSubstr("the way back was not made"));
-  EXPECT_EQ(result.where, "left");
-}
-
-// At the normal end, too: the last picture is taken, and somebody steps in.
-TEST(Acquire, DoesNotGoToTheEndInAReducedSafetyMode) {
-  Bench bench(1);
-  bench.before_end = [&bench] { bench.cell.safety = SafetyMode::kReduced; };
-  const AcquisitionResult result = bench.run();
-  EXPECT_EQ(result.accepted, 2);
-  EXPECT_EQ(result.cause, AcquisitionCause::kRobot);
-  EXPECT_EQ(result.end, AcquisitionEnd::kStopped);
-  EXPECT_THAT(result.text, HasSubstr("safety mode REDUCED"));
-  EXPECT_EQ(result.where, "right");
 }
 
 }  // namespace

@@ -42,6 +42,13 @@ std::vector<fs::path> files_read(const Prepared& ready, const fs::path& source) 
   return files;
 }
 
+/// What the default folder is called after: the folder that is named, or that of the file.
+std::string name_of_folder(const fs::path& named) {
+  const fs::path path = fs::absolute(named).lexically_normal();
+  const bool is_folder = fs::is_directory(named) && path.has_filename();
+  return (is_folder ? path : path.parent_path()).filename().string();
+}
+
 /// Whether acquired.json was written after the last picture was taken, and each view has its mean.
 bool tells_all(const Prepared& ready) {
   const Acquired acquired = read_acquired(ready.folder);
@@ -73,9 +80,8 @@ Prepared prepare(const AcquireOptions& options) {
   }
   ready.work = work_of(ready.source, ready.cell, options.speed_share);
   const fs::path named = options.source.empty() ? options.cell : options.source;
-  const fs::path parent = fs::is_directory(named) ? named : fs::absolute(named).parent_path();
   ready.folder = options.out.empty()
-                     ? default_result_folder(parent.filename().string(), ResultKind::kAcquire)
+                     ? default_result_folder(name_of_folder(named), ResultKind::kAcquire)
                      : options.out;
   check_result_folder(ready.folder, ResultKind::kAcquire, kResultNames);
   check_inputs_kept(files_read(ready, options.source), ready.folder, kResultNames);

@@ -77,6 +77,20 @@ TEST_F(ScenesOfARun, WaitForTheirPrototypeAsPlansBeforeAnythingIsConnected) {
   EXPECT_THROW(acquire_pictures(options, permit), IoError) << "nobody listens, nobody is asked";
 }
 
+// However its folder is written.
+TEST_F(ScenesOfARun, GiveTheDefaultFolderTheNameOfTheirs) {
+  const fs::path wide = scene("wide").parent_path();
+  for (const fs::path& source : {wide / "scene.toml",
+                                 wide,
+                                 wide / "",
+                                 wide / ".",
+                                 wide / "../wide/",
+                                 wide / "./scene.toml"}) {
+    const AcquireOptions options = {.source = source, .cell = folder_ / "cell.toml"};
+    EXPECT_EQ(describe_acquisition(options)["folder"], "out/wide/acquire") << source;
+  }
+}
+
 TEST_F(ScenesOfARun, CountByWhatThePlanHoldsWhereItsDesignHasChangedSince) {
   const fs::path plan = plan_of(in_run("wide"), scene_text(65));
   EXPECT_THAT(wish_of(plan), HasSubstr("plan/scene.toml (ring)"));

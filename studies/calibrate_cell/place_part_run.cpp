@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "studies/acquire/acquired.h"
 #include "studies/calibrate/place_run.h"
 #include "studies/calibrate_cell/part_views.h"
+#include "studies/calibrate_cell/placement_record.h"
 #include "studies/calibrate_cell/round_pictures.h"
 #include "studies/cell/pose_numbers.h"
 #include "studies/definition/scene.h"
@@ -57,6 +59,7 @@ class PartPlacing {
         scene_text_(fmt::format(
             "schema = {}\n{}", needs_schema_2(scene_) ? 2 : 1, to_toml(write_scene(scene_)))),
         folder_(options.acquire.out / "part"),
+        record_(folder_),
         place_(isometry_of(transform_of(scene_.cell->base_from_part->pose))) {
     if (options.placed > options.placements) {
       throw ConfigError(
@@ -94,14 +97,7 @@ class PartPlacing {
 
  private:
   fs::path numbered(const std::string& name, int number, const std::string& ending = "") const {
-    return folder_ / fmt::format("{}_{}{}", name, number, ending);
-  }
-
-  int recorded() const {
-    const fs::path file = folder_ / "placed.json";
-    const Json json =
-        fs::exists(file) ? Json::parse(read_file(file), nullptr, false) : Json::object();
-    return json.is_object() ? json.value("placed", 0) : 0;
+    return record_.numbered(name, number, ending);
   }
 
   std::string wish(int number) const {
@@ -128,7 +124,7 @@ class PartPlacing {
 
   /// Whether a person has said so, on the command line, at the terminal or to an earlier call.
   bool is_put_down(int number) {
-    if (recorded() >= number) {
+    if (record_.is_put_down(number)) {
       return true;
     }
     const Confirm& ask = options_.acquire.confirm;
@@ -137,7 +133,7 @@ class PartPlacing {
       end_ = interrupted_end(options_.acquire);
       return false;
     }
-    write_file_durably(folder_ / "placed.json", Json{{"placed", number}}.dump() + "\n");
+    record_.put_down(number);
     return true;
   }
 
@@ -149,17 +145,14 @@ class PartPlacing {
     return calibrate_cell_detail::acquire_round(acquire, prototypes_, permit_);
   }
 
-  /// Whether an earlier call has found this placement in the same scene: its files are there.
+  /// Whether an earlier call has found this placement in the same scene and the same pictures: its
+  /// files are there.
   bool is_known(int number) {
-    const fs::path file = numbered("found", number, ".json");
-    const Json kept =
-        fs::exists(file) ? Json::parse(read_file(file), nullptr, false) : Json::object();
-    if (!kept.is_object() || kept.value("scene", "") != scene_text_ ||
-        !kept.at("told").contains("settled")) {
-      return false;
+    const std::optional<Json> told = record_.found(number, scene_text_);
+    if (told) {
+      remember(number, *told);
     }
-    remember(number, kept.at("told"));
-    return true;
+    return told.has_value();
   }
 
   void remember(int number, const Json& told) {
@@ -197,8 +190,7 @@ class PartPlacing {
         break;
       }
     }
-    write_file(numbered("found", number, ".json"),
-               Json{{"scene", scene_text_}, {"told", told}}.dump() + "\n");
+    record_.keep_found(number, scene_text_, told);
     remember(number, told);
     return true;
   }
@@ -344,6 +336,7 @@ class PartPlacing {
   SceneSettings scene_;
   std::string scene_text_;  ///< as it is written; what is kept of another one does not count
   fs::path folder_;
+  calibrate_cell_detail::PlacementRecord record_;
   Isometry3d place_;  ///< where the part is known to lie so far
   MountedPrototypes prototypes_ = MountedPrototypes({}, {});  ///< of the scene's run
   Json placements_ = Json::array();

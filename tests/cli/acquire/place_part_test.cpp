@@ -298,6 +298,8 @@ TEST_F(PlacedPart, IsFoundEachTimeAndNothingIsAssumed) {
   EXPECT_THAT(placement, HasSubstr("base_from_part"));
   const json again = place(0, {});
   EXPECT_EQ(again["base_from_part"], all["base_from_part"]);
+  fs::remove_all(folder_ / "out/part/placement_1");
+  EXPECT_EQ(place(1, {})["next"]["placement"], 1);
 }
 
 /// A matt plate from far to the side, in coarse pictures.
@@ -364,7 +366,8 @@ class PartOfADesign : public PartOfACell {
     write_file(folder_ / "out/part/placed.json", R"({"placed": 1})");
     write_file(folder / "acquired.json",
                R"({"schema": 1, "kind": "acquired", "status": "complete", "twin": false,
-                   "scene": "scene.toml", "calibration": null, "pictures": []})");
+                   "counts": {"accepted": 1}, "scene": "scene.toml", "calibration": null,
+                   "pictures": []})");
     write_file(folder / "scene.toml", scene);
   }
 };
@@ -387,8 +390,7 @@ TEST_F(PartOfADesign, WaitsForItsPrototype) {
   const json light = json::parse(place({"--mounted", "narrow"}).out)["part"];
   EXPECT_EQ(light["status"], "waiting");
   EXPECT_EQ(light["next"]["lights"], json({"ring"}));
-  EXPECT_EQ(place({"--mounted", "narrow", "--confirmed", "ring"}).code, 3)
-      << "nobody listens, nobody is asked";
+  EXPECT_EQ(place({"--mounted", "narrow", "--confirmed", "ring"}).code, 3) << "nobody listens";
   EXPECT_THAT(place({"--mounted", "wider"}).err, HasSubstr("there are narrow, wide"));
   EXPECT_THAT(glint_in(folder_,
                        {"calibrate",

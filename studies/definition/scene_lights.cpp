@@ -2,6 +2,7 @@
 #include "studies/definition/scene_lights.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -238,8 +239,22 @@ ConfigNode write_lighting(const SceneSettings& scene) {
   return lighting;
 }
 
+SceneSettings with_idle_lights(SceneSettings scene) {
+  std::ranges::move(scene.idle_lights, std::back_inserter(scene.lights));
+  scene.idle_lights.clear();
+  if (scene.has_idle_tunnel) {
+    scene.has_tunnel = true;
+    scene.has_idle_tunnel = false;
+    scene.scan = {.positions = 1, .step_mm = 1.0};
+    scene.tunnel.led_ripple = 0.0;
+    scene.tunnel.end_falloff = 0.0;
+  }
+  return scene;
+}
+
 void check_lights_go_along(const SceneSettings& scene) {
-  for (const NamedLight& light : scene.lights) {
+  const SceneSettings all = with_idle_lights(scene);
+  for (const NamedLight& light : all.lights) {
     if (!is_surrounding(light.settings) &&
         mount_of(light.settings) == LightPlacement::Mount::kScene) {
       throw ConfigError(
@@ -248,7 +263,7 @@ void check_lights_go_along(const SceneSettings& scene) {
           "light that stands beside the camera, \"part\" of one that goes along with the part");
     }
   }
-  if (scene.has_tunnel) {
+  if (all.has_tunnel) {
     throw ConfigError("lighting." + scene.tunnel_name,
                       "is a tunnel, which stands in the scene, and the flange holds the scene "
                       "with its part: it cannot be planned for");

@@ -35,9 +35,13 @@ void read_lighting(const ConfigNode& root,
 
 ConfigNode write_lighting(const SceneSettings& scene);
 
+/// The scene with those lights among the others that do not shine, for questions of where lights
+/// are. Such a tunnel stands where it does without a scan, and its radiance is even along x.
+SceneSettings with_idle_lights(SceneSettings scene);
+
+/// Lights that do not shine are there as well.
 /// @throws ConfigError with the key of a light that cannot go along where the flange of a robot
-/// holds
-///         the scene with its part: one that is fixed in the scene, or a tunnel
+///         holds the scene with its part: one that is fixed in the scene, or a tunnel
 void check_lights_go_along(const SceneSettings& scene);
 
 /// Visits the keys of [cost] that have a value.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "simulator/light/area/build_lights.h"
+#include "studies/definition/scene_lights.h"
 #include "studies/imaging/path_lights.h"
 
 namespace glint {
@@ -87,8 +88,9 @@ std::vector<SolidBody> light_bodies(const SceneSettings& scene, double thickness
   const LightMounts mounts = {.scene_from_camera = {},
                               .scene_from_part = pose_from_angles(vector(scene.part.position_mm),
                                                                   vector(scene.part.rotation_rad))};
+  const SceneSettings all = with_idle_lights(scene);
   std::vector<SolidBody> bodies;
-  for (const NamedLight& light : scene.lights) {
+  for (const NamedLight& light : all.lights) {
     if (has_place(light.settings)) {
       const bool is_carried = mount_of(light.settings) == LightPlacement::Mount::kCamera;
       add_body(light.name + " light",
@@ -98,7 +100,7 @@ std::vector<SolidBody> light_bodies(const SceneSettings& scene, double thickness
                bodies);
     }
   }
-  SceneSettings alone = scene;
+  SceneSettings alone = all;
   alone.lights.clear();
   add_body(scene.tunnel_name,
            false,

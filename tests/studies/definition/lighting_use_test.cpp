@@ -200,6 +200,13 @@ TEST(LightsInTheHand, StandOnCameraOrPart) {
               HasSubstr("lighting.ring.mount: is \"scene\""));
   EXPECT_THAT(error_in_the_hand("[lighting.arch]\ntype = \"tunnel\"\n"),
               HasSubstr("lighting.arch: is a tunnel, which stands in the scene"));
+  const std::string sky = "lighting_use = \"sky\"\n[lighting.sky]\ntype = \"environment\"\n";
+  EXPECT_EQ(error_in_the_hand(sky + ring + "\"part\"\n"), "");
+  EXPECT_THAT(error_in_the_hand(sky + ring + "\"scene\"\n"),
+              HasSubstr("lighting.ring.mount: is \"scene\""))
+      << "it does not shine, and stands there";
+  EXPECT_THAT(error_in_the_hand(sky + "[lighting.arch]\ntype = \"tunnel\"\n"),
+              HasSubstr("lighting.arch: is a tunnel"));
 }
 
 TEST(ExposeTo, IsReadAndRefusesMethodsWithDerivatives) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/reach/light_bodies.h"
 
-#include <gtest/gtest.h>
+#include <algorithm>
+#include <iterator>
+
+#include <gmock/gmock.h>
 
 #include "tests/studies/scene_from.h"
 
@@ -44,6 +47,25 @@ TEST(LightBodies, OfATunnelAreItsWall) {
       test::scene_from("schema = 1\n[part]\nshape = \"plate\"\n[lighting.tunnel]\n"), 1.0);
   ASSERT_EQ(bodies.size(), 1U);
   EXPECT_GT(bodies[0].mesh.num_triangles(), 4U);
+}
+
+/// A ring, a dome and a tunnel of which those shine that are used.
+std::vector<std::string> names_of_bodies(const std::string& use) {
+  const SceneSettings scene =
+      test::scene_from("schema = 1\nlighting_use = \"" + use +
+                       "\"\n[part]\nshape = \"plate\"\n[lighting.ring]\nmount = \"camera\"\n"
+                       "[lighting.dome]\nradius_mm = 100\nopening_mm = 30\n"
+                       "[lighting.tunnel]\nled_ripple = 0.1\norientation_deg = 90\n");
+  std::vector<std::string> names;
+  std::ranges::transform(light_bodies(scene, 1.0), std::back_inserter(names), &SolidBody::name);
+  return names;
+}
+
+// An arm that comes near a dome runs into it whether or not the dome shines.
+TEST(LightBodies, AreThoseOfLightsThatDoNotShineToo) {
+  using testing::UnorderedElementsAre;
+  EXPECT_THAT(names_of_bodies("ring"), UnorderedElementsAre("ring light", "dome light", "tunnel"));
+  EXPECT_THAT(names_of_bodies("dome"), UnorderedElementsAre("ring light", "dome light", "tunnel"));
 }
 
 }  // namespace

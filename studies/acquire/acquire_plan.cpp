@@ -2,6 +2,7 @@
 #include "studies/acquire/acquire_plan.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <thread>
 
@@ -220,6 +221,42 @@ void check_free(const ViewPlan& plan, const AcquireSource& source, const Cell& c
   }
 }
 
+[[noreturn]] void refuse_stage(const Cell& cell, const std::string& key, const std::string& text) {
+  throw ConfigError({.kind = Problem::Kind::kRelation,
+                     .place = {.file = cell.file.string()},
+                     .key = key,
+                     .text = text});
+}
+
+/// What the stage cannot do is found before the arm drives out for it.
+void check_stage(const AcquireWork& work, const Cell& cell) {
+  if (!cell.stage) {
+    if (work.num_positions > 1) {
+      throw ConfigError(fmt::format(
+          "scan.positions: is {}, and the cell has no [stage] that takes the stripes there",
+          work.num_positions));
+    }
+    return;
+  }
+  const CellStage& stage = *cell.stage;
+  const bool is_display = stage.kind != CellStage::Kind::kGrbl;
+  if (is_display && std::ssize(stage.pictures) < work.num_positions) {
+    refuse_stage(cell,
+                 "stage.pictures",
+                 fmt::format("are {}, must be at least {}: one for each position of the scan",
+                             stage.pictures.size(),
+                             work.num_positions));
+  }
+  if (!is_display && work.num_positions > 1 &&
+      stage_way_of(stage, work.num_positions, work.step_mm).step_mm == 0.0) {
+    refuse_stage(cell,
+                 "stage.step_mm",
+                 fmt::format("is 0, and no scan says another step: all {} positions are one place; "
+                             "must not be 0, or stage.positions must be 0 or 1",
+                             work.num_positions));
+  }
+}
+
 }  // namespace
 
 AcquireSource read_source(const fs::path& path) {
@@ -251,11 +288,7 @@ AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_
   if (cell.stage && cell.stage->positions > 0) {
     work.num_positions = cell.stage->positions;
   }
-  if (work.num_positions > 1 && !cell.stage) {
-    throw ConfigError(fmt::format(
-        "scan.positions: is {}, and the cell has no [stage] that takes the stripes there",
-        work.num_positions));
-  }
+  check_stage(work, cell);
   work.plan.tasks = tasks_of(work.views, work.plan.tour, source, cell, work.num_positions);
   check_names(work.plan.tasks);
   work.plan.camera = camera_configuration_of(camera_of(cell));

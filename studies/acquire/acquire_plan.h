@@ -46,9 +46,9 @@ struct AcquireWork {
   PictureGrounds grounds;
 };
 
-/// @throws NoViewTaken; ConfigError when paths do not join, a leg leaves the box, or the cell lacks
-/// a light or a
-///         stage that the scene has
+/// @throws NoViewTaken; ConfigError when paths do not join, a leg leaves the box, the cell lacks a
+///         light or a stage that the scene has, or its stage has no place for each position;
+///         IoError as picture_grounds()
 AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_share);
 
 /// How well a standstill is known, along and about each axis: a third of the arm's repeatability as

@@ -240,6 +240,41 @@ TEST_F(AcquirePlan, TakesTheExposureThatMakesKindsOfLightEquallyBright) {
   EXPECT_EQ(exposure_us(edited(scene, "expose_to = 0.9", "expose_to = 0.9\nexposure = 2")), one_us);
 }
 
+// Nothing is connected for it, so the arm does not drive out.
+TEST_F(AcquirePlan, RefusesAScanThatTheStageCannotMake) {
+  const std::string cell = std::string(kCell) + "[lights.tunnel]\noutput = 1\n[stage]\n";
+  const auto error_with = [&](const std::string& stage, const std::string& scene) {
+    write_file(folder_ / "scene.toml", scene);
+    AcquireSource source;
+    source.scene = load_study(folder_ / "scene.toml", {}).scene;
+    try {
+      work_of(source, cell_of(cell + stage), 0.5);
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string one = kSceneWithCamera;
+  const std::string six = edited(one, "positions = 1", "positions = 6");
+  make_folder(folder_ / "show");
+  for (const char* name : {"a.png", "b.png"}) {
+    write_file(folder_ / name, name);
+  }
+  const std::string folder =
+      "kind = \"folder\"\nfolder = \"show\"\npictures = [\"a.png\", \"b.png\"]\n";
+  EXPECT_EQ(error_with(folder, one), "");
+  EXPECT_EQ(error_with(folder + "positions = 2\n", six), "");
+  EXPECT_THAT(error_with(folder, six),
+              HasSubstr("cell.toml: stage.pictures: are 2, must be at least 6"));
+  const std::string rail = "host = \"127.0.0.1\"\n";
+  const std::string unlit = one + "[lighting.ring]\n[material]\ntype = \"diffuse\"\n";
+  EXPECT_EQ(error_with(rail, six), "") << "the scan has a step";
+  EXPECT_EQ(error_with(rail, unlit), "");
+  EXPECT_EQ(error_with(rail + "positions = 6\nstep_mm = 2\n", unlit), "");
+  EXPECT_THAT(error_with(rail + "positions = 6\n", unlit),
+              HasSubstr("cell.toml: stage.step_mm: is 0"));
+}
+
 /// A bar far beside the camera, and what else kSceneWithCamera needs for it.
 std::string scene_with_bar(const std::string& mount) {
   return fmt::format(

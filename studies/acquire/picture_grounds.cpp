@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "studies/acquire/picture_grounds.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "core/config/config.h"
 #include "core/file.h"
 #include "core/text.h"
+#include "studies/imaging/path_lights.h"
 
 namespace glint {
 namespace {
@@ -37,6 +40,26 @@ void add_camera(const CellCamera& camera, PictureGrounds& grounds) {
   }
 }
 
+/// Where the stripes stand at each position, or what a display shows there.
+void add_stage(const CellStage& stage, const SceneSettings* scene, PictureGrounds& grounds) {
+  const StageScan scan = scene != nullptr ? stage_scan(*scene) : StageScan{};
+  const StageWay way = stage_way_of(stage, scan.positions, scan.step_mm);
+  const std::string table = "[stage] ";
+  grounds[table + "kind"] = name_of(stage.kind);
+  if (stage.kind == CellStage::Kind::kGrbl) {
+    grounds[table + "first_mm"] = fmt::format("{}", way.first_mm);
+    if (way.positions > 1) {
+      grounds[table + "step_mm"] = fmt::format("{}", way.step_mm);
+    }
+    return;
+  }
+  const auto shown = std::min(stage.pictures.size(), static_cast<std::size_t>(way.positions));
+  for (std::size_t i = 0; i < shown; ++i) {
+    grounds[fmt::format("{}pictures, number {}", table, i + 1)] =
+        "SHA-256 " + sha256_hex(read_file(stage.pictures[i]));
+  }
+}
+
 }  // namespace
 
 PictureGrounds picture_grounds(const SceneSettings* scene, const Cell& cell) {
@@ -52,6 +75,9 @@ PictureGrounds picture_grounds(const SceneSettings* scene, const Cell& cell) {
     }
   }
   add_camera(camera_of(cell), grounds);
+  if (cell.stage) {
+    add_stage(*cell.stage, scene, grounds);
+  }
   return grounds;
 }
 

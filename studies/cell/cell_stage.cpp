@@ -68,6 +68,10 @@ void visit_keys(KeyVisitor& keys, CellStage& stage) {
   keys.require(stage.kind != kFramebuffer || !stage.device.empty(), "device", "is missing");
 }
 
+std::string_view name_of(CellStage::Kind kind) {
+  return kKinds.at(static_cast<std::size_t>(kind));
+}
+
 StageWay stage_way_of(const CellStage& stage, int positions, double step_mm) {
   return {.positions = stage.positions > 0 ? stage.positions : std::max(1, positions),
           .first_mm = stage.first_mm,

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/config/keys.h"
@@ -41,6 +42,9 @@ struct CellStage {
 };
 
 void visit_keys(KeyVisitor& keys, CellStage& stage);
+
+/// As the cell's file has it: "grbl", "folder", "framebuffer".
+std::string_view name_of(CellStage::Kind kind);
 
 /// Where a linear stage stands at each position. @param positions, step_mm  of the scene's scan,
 /// which hold where the cell's file says nothing

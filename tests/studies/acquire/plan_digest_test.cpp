@@ -112,6 +112,49 @@ TEST_F(PrototypesOfARun, HaveNoPicturesOfAnotherPartOrByAnotherSetCamera) {
   EXPECT_THAT(refusal(options), HasSubstr("[camera.features] Gamma is not set there, and 0.5"));
 }
 
+// The rest of a scan would stand between the pictures that are there, or beside them.
+TEST_F(PrototypesOfARun, HaveNoPicturesAtOtherPlacesOfTheStage) {
+  const auto write_cell = [&](const std::string& stage) {
+    write_file(folder_ / "cell.toml",
+               std::string(kLonelyCell) + "[stage]\npositions = 6\n" + stage);
+  };
+  const std::string rail = "host = \"127.0.0.1\"\n";
+  write_cell(rail + "step_mm = 2\n");
+  AcquireOptions options = {.source = scene("wide"), .cell = folder_ / "cell.toml"};
+  options.out = folder_ / "out";
+  write_pictures(options);
+  EXPECT_EQ(refusal(options), "");
+  write_cell(rail + "step_mm = 1\n");
+  EXPECT_THAT(refusal(options), HasSubstr("[stage] step_mm is 2 there, and 1 now"));
+  write_cell(rail + "step_mm = 2\nfirst_mm = 20\n");
+  EXPECT_THAT(refusal(options), HasSubstr("[stage] first_mm is 0 there, and 20 now"));
+  write_cell(rail + "step_mm = 2\nspeed_mm_s = 5\n");
+  EXPECT_EQ(refusal(options), "") << "it gets there, if later";
+}
+
+// A folder of an earlier program says nothing of its stage, and goes on.
+TEST(PictureGrounds, KnowADisplayByThePicturesThatItShows) {
+  const TemporaryFolder folder;
+  make_folder(folder / "show");
+  write_file(folder / "cell.toml",
+             std::string(kLonelyCell) +
+                 "[stage]\nkind = \"folder\"\nfolder = \"show\"\npositions = 2\n"
+                 "pictures = [\"a.png\", \"b.png\", \"c.png\"]\n");
+  const auto grounds = [&](const std::string& b, const std::string& c) {
+    write_file(folder / "a.png", "a");
+    write_file(folder / "b.png", b);
+    write_file(folder / "c.png", c);
+    return picture_grounds(nullptr, read_cell(folder / "cell.toml"));
+  };
+  const PictureGrounds first = grounds("b", "c");
+  EXPECT_THAT(ground_difference(first, grounds("other", "c")),
+              HasSubstr("[stage] pictures, number 2 is SHA-256"));
+  EXPECT_EQ(ground_difference(first, grounds("b", "other")), "") << "no position shows it";
+  PictureGrounds former = first;
+  std::erase_if(former, [](const auto& ground) { return ground.first.starts_with("[stage]"); });
+  EXPECT_EQ(ground_difference(former, first), "");
+}
+
 // The file's name does not tell what is in it.
 TEST(PictureGrounds, KnowAMeshByWhatItsFileHolds) {
   const TemporaryFolder folder;

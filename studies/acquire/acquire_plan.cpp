@@ -228,6 +228,35 @@ void check_free(const ViewPlan& plan, const AcquireSource& source, const Cell& c
                      .text = text});
 }
 
+/// Stripes that no linear stage moves stand where hands or pictures have put them.
+void check_offset(const SceneSettings& scene, const Cell& cell) {
+  const double offset_mm = scene.tunnel.offset_mm;
+  const double shown_mm = cell.stage ? cell.stage->offset_mm : 0.0;
+  if (offset_mm == shown_mm) {
+    return;
+  }
+  const std::string why =
+      cell.stage ? fmt::format(
+                       "the pictures of the cell's [stage] are for stage.offset_mm = {}: must "
+                       "be the same; draw them for this design, and set it",
+                       shown_mm)
+                 : "the cell has no [stage] that takes the stripes there: must be 0";
+  throw ConfigError(fmt::format("lighting.{}.offset_mm", scene.tunnel_name),
+                    fmt::format("is {}, and {}", offset_mm, why));
+}
+
+/// The scan of the scene as this cell's stage makes it. @return how many positions
+int set_scan(const SceneSettings& scene, const Cell& cell, ScanSteps& steps) {
+  const StageScan scan = stage_scan(scene);
+  steps.to_next_mm = scan.step_mm;
+  if (cell.stage && cell.stage->kind == CellStage::Kind::kGrbl) {
+    steps.to_first_mm = stripe_offset_mm(scene);
+  } else if (scan.step_mm > 0.0) {
+    check_offset(scene, cell);
+  }
+  return scan.positions;
+}
+
 /// What the stage cannot do is found before the arm drives out for it.
 void check_stage(const AcquireWork& work, const Cell& cell) {
   if (!cell.stage) {
@@ -281,9 +310,7 @@ AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_
     check_free(work.views, source, cell);
   }
   if (source.scene) {
-    const StageScan scan = stage_scan(*source.scene);
-    work.num_positions = scan.positions;
-    work.step_mm = scan.step_mm;
+    work.num_positions = set_scan(*source.scene, cell, work.step_mm);
   }
   if (cell.stage && cell.stage->positions > 0) {
     work.num_positions = cell.stage->positions;

@@ -33,7 +33,7 @@ CellDevices::CellDevices(const Cell& cell,
                          const MotionPermit& permit,
                          const ConfirmLight& confirm,
                          int positions,
-                         double step_mm) {
+                         const ScanSteps& steps) {
   throw_if_any(shared_outputs(cell));
   const UrSettings& robot = robot_of(cell);
   is_twin_ = is_robot_twin(cell);
@@ -56,7 +56,7 @@ CellDevices::CellDevices(const Cell& cell,
         {.light = lights_.back().get(), .settle_s = light.settle_s, .is_left_on = is_manual});
   }
   if (cell.stage) {
-    stage_ = connect_stage(*cell.stage, positions, step_mm);
+    stage_ = connect_stage(*cell.stage, positions, steps);
   }
   robot_->allow_motion(permit);
 }

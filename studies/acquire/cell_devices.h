@@ -23,13 +23,13 @@ using ConfirmLight =
 class CellDevices {
  public:
   /// @param confirm       asks a person to switch the light of that name
-  /// @param positions, step_mm  of the scan
+  /// @param positions, steps  of the scan
   /// @throws ConfigError, IoError; nothing has moved then
   CellDevices(const Cell& cell,
               const MotionPermit& permit,
               const ConfirmLight& confirm,
               int positions,
-              double step_mm);
+              const ScanSteps& steps);
 
   AcquisitionDevices devices();
 

@@ -10,8 +10,8 @@
 
 namespace glint {
 
-/// Of everything that decides which pictures are taken: tour, lights, exposures, camera, and of a
-/// scene how its lights are built and, of those that shine, at which power. @return SHA-256
+/// Of everything that decides which pictures are taken: tour, lights, exposures, camera, scan, and
+/// of a scene how its lights are built and, of those that shine, at which power. @return SHA-256
 std::string plan_digest(const AcquireWork& work, const AcquireSource& source, const Cell& cell);
 
 /// Under which digest pictures in a folder count as those of this work. It is plan_digest(), but

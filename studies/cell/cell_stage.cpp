@@ -39,6 +39,7 @@ void visit_linear(KeyVisitor& keys, CellStage& stage) {
 void visit_shown(KeyVisitor& keys, CellStage& stage) {
   keys.file("folder", stage.folder, "where show.png is put");
   keys.files("pictures", stage.pictures, "that are shown, one a position");
+  keys.number("offset_mm", stage.offset_mm, Range{}, "of the design whose stripes they show");
   keys.number("settle_s", stage.settle_s, Range::between(0, 60), "until a picture is shown");
   keys.integer("width_px", stage.width_px, Range::between(0, 100000), "of the frame buffer");
   keys.integer("height_px", stage.height_px, Range::between(0, 100000), "of the frame buffer");
@@ -72,16 +73,18 @@ std::string_view name_of(CellStage::Kind kind) {
   return kKinds.at(static_cast<std::size_t>(kind));
 }
 
-StageWay stage_way_of(const CellStage& stage, int positions, double step_mm) {
+StageWay stage_way_of(const CellStage& stage, int positions, const ScanSteps& steps) {
+  const double step_mm = stage.step_mm != 0.0 ? stage.step_mm : steps.to_next_mm;
+  const double to_first_mm = step_mm < 0.0 ? -steps.to_first_mm : steps.to_first_mm;
   return {.positions = stage.positions > 0 ? stage.positions : std::max(1, positions),
-          .first_mm = stage.first_mm,
-          .step_mm = stage.step_mm != 0.0 ? stage.step_mm : step_mm,
+          .first_mm = stage.first_mm + to_first_mm,
+          .step_mm = step_mm,
           .speed_mm_s = stage.speed_mm_s,
           .tolerance_mm = stage.tolerance_mm,
           .timeout_s = stage.timeout_s};
 }
 
-ConnectedStage connect_stage(const CellStage& stage, int positions, double step_mm) {
+ConnectedStage connect_stage(const CellStage& stage, int positions, const ScanSteps& steps) {
   constexpr std::chrono::milliseconds kConnect{2000};
   ConnectedStage connected;
   switch (stage.kind) {
@@ -90,7 +93,7 @@ ConnectedStage connect_stage(const CellStage& stage, int positions, double step_
           stage.host.empty() ? TextLink::serial(stage.device, stage.baud)
                              : TextLink::tcp(stage.host, stage.port, kConnect));
       connected.stage =
-          std::make_unique<LinearStage>(*connected.link, stage_way_of(stage, positions, step_mm));
+          std::make_unique<LinearStage>(*connected.link, stage_way_of(stage, positions, steps));
       break;
     case CellStage::Kind::kFolder:
       connected.stage =

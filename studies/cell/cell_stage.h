@@ -34,6 +34,7 @@ struct CellStage {
   double timeout_s = 60.0;
   std::filesystem::path folder;
   std::vector<std::filesystem::path> pictures;  ///< that folder or display shows, one a position
+  double offset_mm = 0.0;                       ///< of the design whose stripes they show
   double settle_s = 0.2;                        ///< of what shows them
   int width_px = 0;                             ///< of the frame buffer
   int height_px = 0;
@@ -46,9 +47,17 @@ void visit_keys(KeyVisitor& keys, CellStage& stage);
 /// As the cell's file has it: "grbl", "folder", "framebuffer".
 std::string_view name_of(CellStage::Kind kind);
 
-/// Where a linear stage stands at each position. @param positions, step_mm  of the scene's scan,
-/// which hold where the cell's file says nothing
-StageWay stage_way_of(const CellStage& stage, int positions, double step_mm);
+/// Steps of a scene's scan.
+struct ScanSteps {
+  double to_first_mm = 0.0;  ///< from where the stripes stand in a design without an offset
+  double to_next_mm = 0.0;   ///< from each position to the next; 0: there is no scan
+};
+
+/// Where a linear stage stands at each position: at first_mm + to_first_mm + i step_mm. Where its
+/// step is negative it goes against the scan, and to_first_mm is subtracted.
+/// @param positions, steps  of the scene's scan; number and step hold where the cell's file says
+///                          nothing
+StageWay stage_way_of(const CellStage& stage, int positions, const ScanSteps& steps);
 
 /// A stage with the link that it speaks over.
 struct ConnectedStage {
@@ -57,6 +66,6 @@ struct ConnectedStage {
 };
 
 /// @throws ConfigError, IoError
-ConnectedStage connect_stage(const CellStage& stage, int positions, double step_mm);
+ConnectedStage connect_stage(const CellStage& stage, int positions, const ScanSteps& steps);
 
 }  // namespace glint

@@ -2,6 +2,7 @@
 #include "studies/imaging/path_lights.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <type_traits>
 #include <variant>
@@ -248,6 +249,20 @@ StageScan stage_scan(const SceneSettings& scene) {
   return scene.has_tunnel ? StageScan{.positions = scene.scan.positions,
                                       .step_mm = scan_step_mm(scene.scan, scene.tunnel)}
                           : StageScan{};
+}
+
+double stripe_offset_mm(const SceneSettings& scene) {
+  constexpr double kMinStripeCosine = 0.01;  // as in scan_step_mm()
+  if (!scene.has_tunnel || scene.tunnel.offset_mm == 0.0) {
+    return 0.0;
+  }
+  const double cosine = std::cos(scene.tunnel.orientation_rad);
+  if (cosine < kMinStripeCosine) {
+    throw ConfigError(fmt::format("lighting.{}.offset_mm", scene.tunnel_name),
+                      fmt::format("is {}, must be 0 where the stripes run along the scan",
+                                  scene.tunnel.offset_mm));
+  }
+  return scene.tunnel.offset_mm / cosine;
 }
 
 std::vector<NamedLight> without_powers(std::vector<NamedLight> lights) {

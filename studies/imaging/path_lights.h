@@ -58,6 +58,11 @@ struct StageScan {
 /// @throws ConfigError as scan_step_mm()
 StageScan stage_scan(const SceneSettings& scene);
 
+/// How far a scan takes the stripes of the scene's tunnel until its offset_mm is made good, which
+/// is along their normal [mm]; 0 without a tunnel.
+/// @throws ConfigError where the stripes run along the scan, which takes them nowhere
+double stripe_offset_mm(const SceneSettings& scene);
+
 /// The room that the lights that shine take up: those on the camera where the first viewpoint has
 /// them, a tunnel in the middle of its scan.
 /// @throws ConfigError, IoError as extent_of()

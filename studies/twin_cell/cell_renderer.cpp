@@ -72,6 +72,9 @@ std::string key_of(const TwinCellState& state) {
   std::vector<std::string> lights = state.lights;
   std::ranges::sort(lights);
   key += fmt::format("[{}] {}", join(lights, " "), state.stage_position);
+  if (state.stage_shift_mm != 0.0) {
+    key += fmt::format(" shift {:.4f}", state.stage_shift_mm);
+  }
   return state.placement == 1 ? key : fmt::format("{} placement {}", key, state.placement);
 }
 
@@ -126,6 +129,7 @@ SceneSettings CellRenderer::scene_of(const TwinCellState& state,
   scene.viewpoints = {viewpoint};
   scene.viewpoint_set.source = ViewpointSource::kListed;
   keep_lights(scene, state.lights);
+  scene.tunnel.offset_mm += state.stage_shift_mm * std::cos(scene.tunnel.orientation_rad);
   scene.sensor.exposure *= 1e-6 * settings.exposure_us / truth_.settings.exposure_s;
   scene.sensor.gain *= std::pow(10.0, settings.gain_db / 20.0);
   scene.sensor.bits = settings.bits;
@@ -182,6 +186,15 @@ int CellRenderer::num_positions() const {
 
 double CellRenderer::step_mm() const {
   return stage_scan(truth_.scene).step_mm;
+}
+
+double CellRenderer::offset_mm() const {
+  return stripe_offset_mm(truth_.scene);
+}
+
+double CellRenderer::period_mm() const {
+  const TunnelSettings& tunnel = truth_.scene.tunnel;
+  return step_mm() > 0.0 ? tunnel.period_mm / std::cos(tunnel.orientation_rad) : 0.0;
 }
 
 }  // namespace glint

@@ -21,6 +21,7 @@ struct TwinCellState {
   RigidTransform base_from_flange;  ///< as the robot tells it
   std::vector<std::string> lights;  ///< that are on
   int stage_position = 0;           ///< of a tunnel's scan: its frame
+  double stage_shift_mm = 0.0;      ///< how far beyond that the stripes stand along the scan
   int placement = 1;                ///< how many times the part has been put down
   /// What errors of the joints make of the flange: base_from_flange * joint_error is where they
   /// take it. Belongs to pose and lights, so that it is no part of key_of().
@@ -72,6 +73,12 @@ class CellRenderer {
 
   /// Between two of them [mm]; 0 without a tunnel.
   double step_mm() const;
+
+  /// From where the stripes would stand without an offset to the first of them [mm].
+  double offset_mm() const;
+
+  /// After which way along the scan the stripes stand as before [mm]; 0 without a tunnel.
+  double period_mm() const;
 
  private:
   void begin();

@@ -13,9 +13,8 @@
 #include "hardware/gige/udp_socket.h"
 #include "hardware/twin/camera/camera_twin.h"
 #include "hardware/twin/robot/twin_server.h"
-#include "hardware/twin/side_channel/side_channel.h"
-#include "hardware/twin/stage/stage_twin.h"
 #include "studies/twin_cell/camera_serving.h"
+#include "studies/twin_cell/stage_serving.h"
 
 namespace glint {
 namespace {
@@ -50,47 +49,6 @@ TwinCellState state_at_viewpoint(const Truth& truth, const std::vector<std::stri
   return {.base_from_flange = truth.base_from_flange(inverse(camera_from_scene)), .lights = lights};
 }
 
-/// The twin of a cell's stage, and which position of the scan it stands at.
-class StageServing {
- public:
-  /// @param port  none: the cell's; 0: a free one
-  StageServing(const CellStage& stage, const CellRenderer& renderer, std::optional<int> port)
-      : token_(fresh_token()),
-        way_(stage_way_of(stage, renderer.num_positions(), renderer.step_mm())),
-        twin_({.port = port ? (*port == 0 ? 0 : *port + kStageOffset) : stage.port,
-               .kept_text = std::to_string(token_)}),
-        side_(stage_twin_socket(twin_.port()), [this](const std::string& line) {
-          return line == "token" ? std::to_string(token_) : "error: there is token";
-        }) {}
-
-  /// -1: between two positions.
-  int position() const {
-    if (way_.step_mm == 0.0) {
-      return 0;
-    }
-    const double at_mm = twin_.position_mm();
-    const int nearest = static_cast<int>(std::lround((at_mm - way_.first_mm) / way_.step_mm));
-    const bool is_there = std::abs(at_mm - way_.at_mm(nearest)) <= way_.tolerance_mm;
-    return is_there && nearest >= 0 && nearest < way_.positions ? nearest : -1;
-  }
-
-  Json description() const {
-    return {{"kind", "stage"},
-            {"address", "127.0.0.1"},
-            {"port", twin_.port()},
-            {"side_channel", side_.path().string()},
-            {"token", token_}};
-  }
-
- private:
-  static constexpr int kStageOffset = 4;  ///< the robot has the ports before it
-
-  std::uint64_t token_;
-  StageWay way_;
-  StageTwin twin_;
-  SideChannel side_;
-};
-
 /// What of the twins changes a picture, as it is now.
 class CellWatch {
  public:
@@ -110,32 +68,39 @@ class CellWatch {
   /// Empty: the arm or the stage moves.
   std::optional<TwinCellState> now() const {
     const TwinView view = robot_.view();
-    const int position = stage_position();
-    return view.is_still && position >= 0
-               ? std::optional(state_of(view.joints_rad, view.digital_outputs, position))
+    const auto place = stage_place();
+    return view.is_still && place
+               ? std::optional(state_of(view.joints_rad, view.digital_outputs, *place))
                : std::nullopt;
   }
 
-  /// Where a held motion leads; empty: none is held.
+  /// Where a held motion leads, before a scan that begins as the last one did; empty: none is held.
   std::optional<TwinCellState> goal() const {
     const TwinView view = robot_.view();
+    StagePlace place = stage_place().value_or(StagePlace{});
+    place.position = 0;
     return view.is_held && view.goal_rad
-               ? std::optional(state_of(*view.goal_rad, view.digital_outputs, 0))
+               ? std::optional(state_of(*view.goal_rad, view.digital_outputs, place))
                : std::nullopt;
   }
 
  private:
-  TwinCellState state_of(const JointVector& joints_rad, std::uint64_t outputs, int position) const {
+  TwinCellState state_of(const JointVector& joints_rad,
+                         std::uint64_t outputs,
+                         const StagePlace& place) const {
     const std::vector<std::string> lights = camera_.shining(lights_on(cell_, outputs));
     const RigidTransform joint_error = joint_error_of(truth_, arm_, joints_rad, lights);
     return {.base_from_flange = transform_of(arm_.forward(joints_rad)),
             .lights = lights,
-            .stage_position = position,
+            .stage_position = place.position,
+            .stage_shift_mm = place.shift_mm,
             .placement = camera_.placement(),
             .joint_error = joint_error};
   }
 
-  int stage_position() const { return stage_ != nullptr ? stage_->position() : 0; }
+  std::optional<StagePlace> stage_place() const {
+    return stage_ != nullptr ? stage_->place() : StagePlace{};
+  }
 
   const Cell cell_;
   const TruthSettings truth_;
@@ -190,11 +155,12 @@ class Follower {
       coming_ = key;
       coming_since_ = now;
     }
-    const bool has_moved = state.stage_position != stage_position_;
+    const StagePlace place = {.position = state.stage_position, .shift_mm = state.stage_shift_mm};
+    const bool has_moved = place != stage_place_;
     if (is_arrival || has_moved || now - coming_since_ > kLightsStay) {
       pictures_.arrive(state);
       key_ = key;
-      stage_position_ = state.stage_position;
+      stage_place_ = place;
       coming_.clear();
     }
   }
@@ -208,7 +174,7 @@ class Follower {
   std::string key_;     ///< of the standstill that the pictures know of; empty: none
   std::string coming_;  ///< of another one, of the same pose
   std::chrono::steady_clock::time_point coming_since_;
-  int stage_position_ = 0;
+  StagePlace stage_place_;
   std::jthread thread_;
 };
 

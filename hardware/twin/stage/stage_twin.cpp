@@ -48,6 +48,10 @@ bool StageController::is_moving(double now_s) const {
   return position_mm(now_s) != to_mm_;
 }
 
+std::optional<double> StageController::reached_mm(double now_s) const {
+  return has_moved_ && !is_moving(now_s) ? std::optional(to_mm_) : std::nullopt;
+}
+
 void StageController::raise_alarm(double now_s) {
   from_mm_ = to_mm_ = position_mm(now_s);
   is_in_alarm_ = true;
@@ -72,6 +76,7 @@ std::string StageController::move(const std::string& line, double now_s) {
   from_mm_ = position_mm(now_s);
   to_mm_ = *goal_mm;
   began_s_ = now_s;
+  has_moved_ = true;
   if (feed_mm_min) {
     speed_mm_s_ = std::min(settings_.max_speed_mm_s, *feed_mm_min / 60.0);
   }
@@ -155,6 +160,11 @@ class StageTwin::Server {
     return controller_.position_mm(seconds_since(began_));
   }
 
+  std::optional<double> reached_mm() const {
+    const std::scoped_lock lock(mutex_);
+    return controller_.reached_mm(seconds_since(began_));
+  }
+
   void raise_alarm() {
     const std::scoped_lock lock(mutex_);
     controller_.raise_alarm(seconds_since(began_));
@@ -212,6 +222,10 @@ int StageTwin::port() const {
 
 double StageTwin::position_mm() const {
   return server_->position_mm();
+}
+
+std::optional<double> StageTwin::reached_mm() const {
+  return server_->reached_mm();
 }
 
 void StageTwin::raise_alarm() {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace glint {
@@ -29,6 +30,9 @@ class StageTwin {
   /// Where the carriage is.
   double position_mm() const;
 
+  /// Where it stands since its last move; none: it moves, or has not been moved yet.
+  std::optional<double> reached_mm() const;
+
   /// Makes it stop in alarm wherever it is, as at its end switch.
   void raise_alarm();
 
@@ -50,6 +54,8 @@ class StageController {
 
   double position_mm(double now_s) const;
 
+  std::optional<double> reached_mm(double now_s) const;
+
   void raise_alarm(double now_s);
 
  private:
@@ -61,6 +67,7 @@ class StageController {
   StageTwinSettings settings_;
   std::string unfinished_;  ///< line
   bool is_in_alarm_ = false;
+  bool has_moved_ = false;
   double from_mm_ = 0.0;
   double to_mm_ = 0.0;
   double began_s_ = 0.0;

@@ -38,6 +38,9 @@ TEST(StageController, MovesAtTheSpeedItIsGiven) {
   EXPECT_EQ(controller.receive("?", 3.5), "<Idle|MPos:20.000,0.000,0.000|FS:0,0>\r\n");
   EXPECT_EQ(controller.receive("G1 X10\n", 4.0), "ok\r\n");
   EXPECT_DOUBLE_EQ(controller.position_mm(4.5), 15.0);  // and back, at the same speed
+  EXPECT_EQ(controller.reached_mm(4.5), std::nullopt);
+  EXPECT_EQ(controller.reached_mm(5.0), 10.0);
+  EXPECT_EQ(StageController({}).reached_mm(5.0), std::nullopt) << "nobody has moved it";
 }
 
 TEST(StageController, RefusesWhatItDoesNotKnowAndLinesWithoutAnEnd) {

@@ -41,18 +41,25 @@ TEST(CellStage, NamesWhatIsMissing) {
 
 // Nothing in the file: 6 positions 2 mm apart, as the scan has them.
 TEST(CellStage, TakesFromTheScanWhatItDoesNotTell) {
-  const StageWay way = stage_way_of({.first_mm = 5.0}, 6, 2.0);
+  const StageWay way = stage_way_of({.first_mm = 5.0}, 6, {.to_next_mm = 2.0});
   EXPECT_EQ(way.positions, 6);
   EXPECT_DOUBLE_EQ(way.at_mm(3), 11.0);
-  const StageWay own = stage_way_of({.positions = 4, .step_mm = -1.0}, 6, 2.0);
+  const StageWay own = stage_way_of({.positions = 4, .step_mm = -1.0}, 6, {.to_next_mm = 2.0});
   EXPECT_EQ(own.positions, 4);
   EXPECT_DOUBLE_EQ(own.at_mm(3), -3.0);
+}
+
+// 5 + 1.5 + 3 * 2; of a stage that counts against the scan 5 - 1.5 - 3 * 2.
+TEST(CellStage, BeginsWhereTheDesignsStripesDo) {
+  const ScanSteps steps = {.to_first_mm = 1.5, .to_next_mm = 2.0};
+  EXPECT_DOUBLE_EQ(stage_way_of({.first_mm = 5.0}, 6, steps).at_mm(3), 12.5);
+  EXPECT_DOUBLE_EQ(stage_way_of({.first_mm = 5.0, .step_mm = -2.0}, 6, steps).at_mm(3), -2.5);
 }
 
 TEST(CellStage, MovesATwin) {
   const StageTwin twin({});
   const CellStage settings = {.host = "127.0.0.1", .port = twin.port(), .speed_mm_s = 400.0};
-  const ConnectedStage connected = connect_stage(settings, 6, 2.0);
+  const ConnectedStage connected = connect_stage(settings, 6, {.to_next_mm = 2.0});
   connected.stage->go_to(4);
   EXPECT_EQ(connected.stage->position(), 4);
   EXPECT_DOUBLE_EQ(twin.position_mm(), 8.0);
@@ -66,7 +73,7 @@ TEST(CellStage, ShowsPicturesInAFolder) {
                                                   .pictures = {folder / "one.png"},
                                                   .settle_s = 0.0},
                                                  1,
-                                                 0.0);
+                                                 {});
   connected.stage->go_to(0);
   EXPECT_EQ(read_image(folder / "shown/show.png").width(), 4);
 }

@@ -149,6 +149,23 @@ TEST(TunnelCell, HasAPictureForEachPositionOfTheStage) {
   EXPECT_EQ(pictures.finished(settings, 0), nullptr) << "of lights that are not on any more";
 }
 
+// Stripes that the stage has taken 1.5 mm on look like those of a design with that offset.
+TEST(TunnelCell, ShowsTheStripesWhereTheStageHasTakenThem) {
+  ThreadPool pool(2);
+  std::string text = kTunnelTruth;
+  text.replace(text.find("full_well_e = 10000\nread_noise_e = 6"), 36, "full_well_e = 0\nbits = 8");
+  CellRenderer renderer(truth_of(text), pool);
+  text.replace(text.find("period_mm = 12"), 14, "period_mm = 12\noffset_mm = 1.5");
+  CellRenderer shifted(truth_of(text), pool);
+  EXPECT_DOUBLE_EQ(shifted.offset_mm(), 1.5);
+  EXPECT_DOUBLE_EQ(renderer.period_mm(), 12.0);
+  TwinCellState state = state_above(0, {"tunnel"});
+  const auto wanted = shifted.render_all(state, {});
+  EXPECT_NE(renderer.render_all(state, {}), wanted);
+  state.stage_shift_mm = 1.5;
+  EXPECT_EQ(renderer.render_all(state, {}), wanted);
+}
+
 TEST(TunnelCell, IsDarkWithoutALight) {
   ThreadPool pool(2);
   CellRenderer renderer(truth_of(kTunnelTruth), pool);

@@ -39,7 +39,8 @@ unsigned grey_at(const ImageF& picture, int x, int y) {
 /// talks on and on does not answer.
 class StageAnswers {
  public:
-  explicit StageAnswers(TextLink& link) : link_(link) {}
+  explicit StageAnswers(TextLink& link, milliseconds within = kAnswer)
+      : link_(link), until_(std::chrono::steady_clock::now() + within) {}
 
   std::optional<std::string> next() {
     constexpr int kMaxLines = 200;
@@ -52,21 +53,34 @@ class StageAnswers {
 
  private:
   TextLink& link_;
-  std::chrono::steady_clock::time_point until_ = std::chrono::steady_clock::now() + kAnswer;
+  std::chrono::steady_clock::time_point until_;
   int lines_ = 0;
 };
 
 }  // namespace
 
-LinearStage::LinearStage(TextLink& link, const StageWay& way) : link_(link), way_(way) {
-  command("G90");
-  command("G21");
+LinearStage::LinearStage(TextLink& link, const StageWay& way)
+    : link_(link), way_(way), may_greet_(!link.is_serial()) {
+  command("G90", link.is_serial() ? 2 * kAnswer : kAnswer);
+  command("G21", kAnswer);
+  may_greet_ = false;
 }
 
-void LinearStage::command(const std::string& line) {
+void LinearStage::check_not_restarted(const std::string& answer) {
+  if (!may_greet_ && answer.starts_with("Grbl")) {
+    position_ = -1;
+    throw IoError(fmt::format(
+        "linear stage: its controller has restarted ({}), and its zero is where the carriage stood "
+        "then; home the stage ($H), then try again",
+        answer));
+  }
+}
+
+void LinearStage::command(const std::string& line, milliseconds within) {
   link_.send(line + "\n");
-  StageAnswers answers(link_);
+  StageAnswers answers(link_, within);
   while (const auto answer = answers.next()) {
+    check_not_restarted(*answer);
     if (*answer == "ok") {
       return;
     }
@@ -81,6 +95,7 @@ LinearStage::Status LinearStage::status() {
   link_.send("?");
   StageAnswers answers(link_);
   while (const auto answer = answers.next()) {
+    check_not_restarted(*answer);
     if (answer->starts_with("ALARM:")) {
       throw IoError("linear stage: " + *answer);
     }
@@ -102,7 +117,7 @@ void LinearStage::go_to(int position) {
   check_position(position, way_.positions);
   position_ = -1;
   const double goal_mm = way_.at_mm(position);
-  command(fmt::format("G1 X{:.4f} F{:.1f}", goal_mm, 60.0 * way_.speed_mm_s));
+  command(fmt::format("G1 X{:.4f} F{:.1f}", goal_mm, 60.0 * way_.speed_mm_s), kAnswer);
   const auto until =
       std::chrono::steady_clock::now() +
       std::chrono::duration_cast<milliseconds>(std::chrono::duration<double>(way_.timeout_s));

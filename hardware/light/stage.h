@@ -46,10 +46,15 @@ struct StageWay {
 
 /// A linear stage whose controller speaks Grbl 1.1, over a serial line or TCP: `G1 X.. F..` is
 /// answered by "ok", `?` by "<Idle|MPos:x,y,z|...>". Returns when it tells that it stands still
-/// where it was sent; an alarm or error is an IoError with the controller's words.
+/// where it was sent; an alarm or error is an IoError with the controller's words. So is a greeting
+/// ("Grbl 1.1h ['$' for help]"): the controller has restarted, and counts from where the carriage
+/// stood then. Over TCP a greeting before the first answers does not count, as some controllers
+/// greet whoever connects.
 class LinearStage final : public Stage {
  public:
-  /// @param link  to the controller; must outlive the stage
+  /// @param link  to the controller; must outlive the stage. A serial one has twice the time for
+  /// its
+  ///              first answer: a board that restarts waits for a new program first
   LinearStage(TextLink& link, const StageWay& way);
 
   int num_positions() const override { return way_.positions; }
@@ -64,11 +69,13 @@ class LinearStage final : public Stage {
     double x_mm = 0.0;
   };
 
-  void command(const std::string& line);
+  void command(const std::string& line, std::chrono::milliseconds within);
   Status status();
+  void check_not_restarted(const std::string& answer);
 
   TextLink& link_;
   StageWay way_;
+  bool may_greet_ = false;
   int position_ = -1;
 };
 

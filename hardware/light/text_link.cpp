@@ -52,11 +52,13 @@ TextLink TextLink::serial(const std::filesystem::path& device, int baud) {
     throw IoError(fmt::format("{}: {}", device.string(), last_system_error()));
   }
   ::cfmakeraw(&settings);
+  settings.c_cflag = (settings.c_cflag & ~static_cast<tcflag_t>(HUPCL)) | CLOCAL | CREAD;
   ::cfsetispeed(&settings, speed);
   ::cfsetospeed(&settings, speed);
   if (::tcsetattr(link.descriptor_, TCSANOW, &settings) != 0) {
     throw IoError(fmt::format("{}: {}", device.string(), last_system_error()));
   }
+  link.is_serial_ = true;
   return link;
 }
 
@@ -90,7 +92,9 @@ TextLink::~TextLink() {
 }
 
 TextLink::TextLink(TextLink&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)), received_(std::move(other.received_)) {}
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      is_serial_(other.is_serial_),
+      received_(std::move(other.received_)) {}
 
 void TextLink::send(const std::string& text) {
   const auto until = Clock::now() + std::chrono::seconds(2);

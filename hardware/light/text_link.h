@@ -12,7 +12,9 @@ namespace glint {
 
 class TextLink {
  public:
-  /// A serial line, 8 bits, no parity. @param baud  115200, 57600, 38400, 19200 or 9600
+  /// A serial line, 8 bits, no parity. Many boards restart when DTR rises: it stays up when the
+  /// line is closed, so that a board restarts at the first opening alone.
+  /// @param baud  115200, 57600, 38400, 19200 or 9600
   /// @throws IoError, ConfigError for another baud
   static TextLink serial(const std::filesystem::path& device, int baud);
 
@@ -32,10 +34,13 @@ class TextLink {
   /// @throws IoError when the other side is gone, or a line has no end
   std::optional<std::string> line(std::chrono::milliseconds within);
 
+  bool is_serial() const { return is_serial_; }
+
  private:
   explicit TextLink(int descriptor) : descriptor_(descriptor) {}
 
   int descriptor_ = -1;
+  bool is_serial_ = false;
   std::string received_;
 };
 

@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hardware/light/stage.h"
 
+#include <fcntl.h>
+#include <poll.h>
 #include <sys/socket.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 #include <gmock/gmock.h>
 
@@ -157,6 +162,120 @@ TEST(LinearStage, AtNoNumberIsNotThere) {
   EXPECT_EQ(failure_at("10.000"), "nothing thrown");
   EXPECT_THAT(failure_at("10.03"), HasSubstr("stands at 10.03 mm, not at 10 mm"));
   EXPECT_THAT(failure_at("nan"), HasSubstr("stands at nan mm"));
+}
+
+constexpr const char* kGreeting = "\r\nGrbl 1.1h ['$' for help]\r\n";
+
+// At 12.5 mm it restarts: it says 0 there, and would tell 15 mm at 27.5 mm.
+TEST(LinearStage, AControllerThatRestartsHasNoZero) {
+  double at_mm = 0.0;
+  const AnsweringController controller([&at_mm](std::string_view text) {
+    if (text.starts_with("G1 X15")) {
+      return std::string(kGreeting) + "ok\n";
+    }
+    at_mm = text.starts_with("G1 X12.5") ? 12.5 : at_mm;
+    return text == "?" ? "<Idle|MPos:" + std::to_string(at_mm) + ",0,0>\n" : std::string("ok\n");
+  });
+  TextLink link = TextLink::tcp("127.0.0.1", controller.port(), milliseconds(1000));
+  LinearStage stage(link, kWay);
+  stage.go_to(1);
+  EXPECT_THAT(text_thrown_by<IoError>([&stage] { stage.go_to(2); }),
+              HasSubstr("has restarted (Grbl 1.1h ['$' for help]), and its zero"));
+  EXPECT_EQ(stage.position(), -1);
+}
+
+TEST(LinearStage, AControllerThatGreetsWhoConnectsHasNotRestarted) {
+  const AnsweringController controller([](std::string_view text) {
+    if (text == "G90\n") {
+      return std::string(kGreeting) + "ok\n";
+    }
+    return std::string(text == "?" ? "<Idle|MPos:10,0,0>\n" : "ok\n");
+  });
+  TextLink link = TextLink::tcp("127.0.0.1", controller.port(), milliseconds(1000));
+  LinearStage stage(link, kWay);
+  EXPECT_NO_THROW(stage.go_to(0));
+}
+
+/// A controller at the other end of a serial line, which answers each line by what a function says.
+class SerialController {
+ public:
+  using Answer = std::function<std::string(std::string_view line)>;
+
+  explicit SerialController(Answer answer)
+      : answer_(std::move(answer)), controlling_(::posix_openpt(O_RDWR | O_NOCTTY)) {
+    GLINT_CHECK(::grantpt(controlling_) == 0 && ::unlockpt(controlling_) == 0, "a pseudo-terminal");
+    device_ = ::ptsname(controlling_);
+    open_ = ::open(device_.c_str(), O_RDWR | O_NOCTTY);
+    termios settings = {};
+    ::tcgetattr(open_, &settings);
+    settings.c_cflag |= HUPCL;  // as a serial line has it at first
+    ::tcsetattr(open_, TCSANOW, &settings);
+    thread_ = std::jthread([this](const std::stop_token& stop) { serve(stop); });
+  }
+
+  ~SerialController() {
+    thread_ = {};
+    ::close(open_);
+    ::close(controlling_);
+  }
+
+  SerialController(const SerialController&) = delete;
+  SerialController& operator=(const SerialController&) = delete;
+
+  const std::string& device() const { return device_; }
+
+  /// Whether DTR falls when the line is closed.
+  bool hangs_up() const {
+    termios settings = {};
+    return ::tcgetattr(open_, &settings) == 0 && (settings.c_cflag & HUPCL) != 0;
+  }
+
+ private:
+  void serve(const std::stop_token& stop) {
+    std::string line;
+    while (!stop.stop_requested()) {
+      pollfd waiting = {.fd = controlling_, .events = POLLIN, .revents = 0};
+      char letter = 0;
+      if (::poll(&waiting, 1, 10) <= 0 || ::read(controlling_, &letter, 1) != 1) {
+        continue;
+      }
+      if (letter == '\n' || letter == '?') {
+        const std::string text = answer_(letter == '?' ? "?" : line);
+        GLINT_CHECK(::write(controlling_, text.data(), text.size()) >= 0, "an open line");
+        line.clear();
+      } else {
+        line += letter;
+      }
+    }
+  }
+
+  Answer answer_;
+  int controlling_;
+  int open_ = -1;  ///< the device: without it reading fails until somebody opens it
+  std::string device_;
+  std::jthread thread_;
+};
+
+// Opening the line has restarted it, and its loader of programs has eaten the first line.
+TEST(LinearStage, OnASerialLineAGreetingIsARestart) {
+  bool is_fresh = true;
+  const SerialController controller([&is_fresh](std::string_view line) {
+    if (std::exchange(is_fresh, false)) {
+      return std::string(kGreeting);
+    }
+    return std::string(line == "?" ? "<Idle|MPos:10,0,0>\n" : "ok\n");
+  });
+  EXPECT_TRUE(controller.hangs_up());
+  {
+    TextLink link = TextLink::serial(controller.device(), 115200);
+    EXPECT_THAT(text_thrown_by<IoError>([&link] { LinearStage(link, kWay); }),
+                HasSubstr("home the stage ($H)"));
+  }
+  EXPECT_FALSE(controller.hangs_up()) << "the next opening would restart it again";
+  TextLink link = TextLink::serial(controller.device(), 115200);
+  LinearStage stage(link, kWay);
+  stage.go_to(0);
+  EXPECT_EQ(stage.position(), 0);
 }
 
 /// The text that is read where `$I` is answered so.

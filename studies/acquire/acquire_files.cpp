@@ -59,7 +59,7 @@ AcquireFiles::AcquireFiles(fs::path folder,
       sigma_(pose_sigma_of(robot_of(cell).model)),
       gain_db_(camera_of(cell).gain_db) {
   if (cell.stage && cell.stage->kind == CellStage::Kind::kGrbl) {
-    way_ = stage_way_of(*cell.stage, work.num_positions, work.step_mm);
+    way_ = stage_way_of(*cell.stage, work.num_positions, work.steps);
   }
 }
 

@@ -277,7 +277,7 @@ void check_stage(const AcquireWork& work, const Cell& cell) {
                              work.num_positions));
   }
   if (!is_display && work.num_positions > 1 &&
-      stage_way_of(stage, work.num_positions, work.step_mm).step_mm == 0.0) {
+      stage_way_of(stage, work.num_positions, work.steps).step_mm == 0.0) {
     refuse_stage(cell,
                  "stage.step_mm",
                  fmt::format("is 0, and no scan says another step: all {} positions are one place; "
@@ -310,7 +310,7 @@ AcquireWork work_of(const AcquireSource& source, const Cell& cell, double speed_
     check_free(work.views, source, cell);
   }
   if (source.scene) {
-    work.num_positions = set_scan(*source.scene, cell, work.step_mm);
+    work.num_positions = set_scan(*source.scene, cell, work.steps);
   }
   if (cell.stage && cell.stage->positions > 0) {
     work.num_positions = cell.stage->positions;

@@ -41,7 +41,7 @@ struct AcquireWork {
   ViewPlan views;
   AcquisitionPlan plan;
   int num_positions = 1;  ///< of each view
-  ScanSteps step_mm;      ///< of the scene's scan; to the first one: of a linear stage alone
+  ScanSteps steps;        ///< of the scene's scan; to the first one: of a linear stage alone
   std::string digest;     ///< plan_digest()
   PictureGrounds grounds;
 };

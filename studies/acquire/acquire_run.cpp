@@ -303,7 +303,7 @@ Json acquire_pictures(const AcquireOptions& options,
     }
     return is_so;
   };
-  CellDevices devices(ready.cell, permit, confirm, ready.work.num_positions, ready.work.step_mm);
+  CellDevices devices(ready.cell, permit, confirm, ready.work.num_positions, ready.work.steps);
   OutputFolder output(ready.folder);
   mark_result_folder(ready.folder, ResultKind::kAcquire);
   output.keep();

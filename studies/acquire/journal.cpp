@@ -95,7 +95,7 @@ void check_grounds(const fs::path& folder, Database& database, const PictureGrou
   const std::string difference = there ? ground_difference(*there, now) : "";
   if (!difference.empty()) {
     throw ConfigError(
-        fmt::format("{}: holds pictures of another part, or by a camera that was set otherwise: "
+        fmt::format("{}: holds pictures of another part, or by a camera or stage set otherwise: "
                     "{}; name another folder",
                     folder.string(),
                     difference));

@@ -19,9 +19,9 @@ namespace fs = std::filesystem;
 
 /// All but the powers of the lights.
 Json work_json(const AcquireWork& work, const AcquireSource& source, const Cell& cell) {
-  Json json = {{"positions", work.num_positions}, {"step_mm", work.step_mm.to_next_mm}};
-  if (work.step_mm.to_first_mm != 0.0) {
-    json["offset_mm"] = work.step_mm.to_first_mm;
+  Json json = {{"positions", work.num_positions}, {"step_mm", work.steps.to_next_mm}};
+  if (work.steps.to_first_mm != 0.0) {
+    json["offset_mm"] = work.steps.to_first_mm;
   }
   for (const TourPoint& point : work.plan.tour) {
     json["tour"].push_back({point.name, joints_deg(point.joints_rad)});

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// `glint calibrate --cell --part` with twins: a part that hands put down three times is found where
-// it lies each time, and its spread is told.
+// `glint calibrate --cell --part` with twins: a part put down three times, and its spread.
 #include <signal.h>
 
 #include <algorithm>
@@ -112,7 +111,8 @@ void write_calibration(const fs::path& folder) {
              {"focal_px", {900.0, 900.0}},
              {"center_px", {153.0, 128.0}},
              {"radial", {-0.08, 0.0, 0.0}},
-             {"tangential", {0.0004, 0.0}}}},
+             {"tangential", {0.0004, 0.0}},
+             {"free", {"fx", "fy", "cx", "cy", "k1", "p1"}}}},
            {"board",
             {{"kind", "checkerboard"},
              {"cols", 8},

@@ -179,7 +179,7 @@ std::string former_digest(const AcquireOptions& options) {
   const Cell cell = read_cell(options.cell);
   const AcquireSource source = read_source(options.source);
   const AcquireWork work = work_of(source, cell, options.speed_share);
-  Json json = {{"positions", work.num_positions}, {"step_mm", work.step_mm.to_next_mm}};
+  Json json = {{"positions", work.num_positions}, {"step_mm", work.steps.to_next_mm}};
   for (const TourPoint& point : work.plan.tour) {
     json["tour"].push_back({point.name, joints_deg(point.joints_rad)});
   }

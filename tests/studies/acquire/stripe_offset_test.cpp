@@ -40,17 +40,17 @@ constexpr const char* kRail = "[stage]\nhost = \"127.0.0.1\"\n";
 
 TEST_F(StripeOffset, IsWhereALinearStageBegins) {
   const AcquireWork work = work_with(kRail, "offset_mm = 5\n");
-  EXPECT_DOUBLE_EQ(work.step_mm.to_first_mm, 5.0);
+  EXPECT_DOUBLE_EQ(work.steps.to_first_mm, 5.0);
   EXPECT_EQ(work.grounds.at("[stage] first_mm"), "5");
   const AcquireWork plain = work_with(kRail, "");
-  EXPECT_EQ(plain.step_mm.to_first_mm, 0.0);
+  EXPECT_EQ(plain.steps.to_first_mm, 0.0);
   EXPECT_NE(work.digest, plain.digest) << "they share no pictures";
 }
 
 // 5 mm along the normal of stripes that are turned by 60 degrees: 5 / cos 60 = 10 mm.
 TEST_F(StripeOffset, IsAlongTheNormalOfTheStripes) {
   const AcquireWork work = work_with(kRail, "offset_mm = 5\norientation_deg = 60\n");
-  EXPECT_NEAR(work.step_mm.to_first_mm, 10.0, 1e-9);
+  EXPECT_NEAR(work.steps.to_first_mm, 10.0, 1e-9);
   EXPECT_THAT(error_with(kRail, "offset_mm = 5\norientation_deg = 90\n"),
               HasSubstr("lighting.tunnel.offset_mm: is 5, must be 0 where the stripes run along"));
 }

@@ -92,7 +92,7 @@ TEST_F(Validate, TellsOfResultsThatCannotBeBeforeTheCellIsAsked) {
     EXPECT_NE(result.code, 0);
     return result.err;
   };
-  EXPECT_THAT(error({"--out", "run"}), HasSubstr("holds results of glint run"));
+  EXPECT_THAT(error({"--out", "run"}), HasSubstr("run: holds results of `glint run`"));
   write_file(folder_ / "lens.toml", "[lens]\nfocal_mm = 8\n");
   EXPECT_THAT(error({"--calibration", "lens.toml"}), HasSubstr("lens.toml: is no calibration"));
   EXPECT_THAT(error({}), HasSubstr("none.toml"));

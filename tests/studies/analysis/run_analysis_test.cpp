@@ -134,10 +134,10 @@ TEST(RunAnalysis, UnderNoiseShowsTheRunsOwnAnswer) {
   }
 }
 
-/// The folder of a run that is rendered by this step of the study's ladder.
-void write_rung(const std::filesystem::path& run, const Study& study, std::size_t step) {
+/// What a run tells that is rendered by this rung.
+void write_rung(const std::filesystem::path& run, const RenderRung& rung) {
   Json result = {{"schema", 1}};
-  result["accuracy"]["rung"] = search_ladder(study)[step].name;
+  result["accuracy"]["rung"] = rung.name;
   write_file(run / "result.json", result.dump());
 }
 
@@ -149,12 +149,13 @@ TEST(RunAnalysis, DesignsOfARungThatTheSearchHasLeftAreEvaluatedAgain) {
              kSearch + "[accuracy]\nkeep = [\"render.method\"]\ntolerance = \"auto\"\n");
   const Study study = load_study(run / "study.resolved.toml", {});
   write_noisy_run(run, bright_trials(study));
-  write_rung(run, study, 0);
+  const std::vector<RenderRung> ladder = search_ladder(study);
+  write_rung(run, ladder.front());
   EXPECT_EQ(add_designs(run, added(2)), 2);
   EXPECT_EQ(add_designs(run, added(3)), 1);
   const auto coarse = Storage::read(run / kAddedDesigns).trials(TrialKind::kSearch);
   EXPECT_EQ(analyse_run(run)["added"], 3);
-  write_rung(run, study, 1);
+  write_rung(run, ladder.back());
   EXPECT_EQ(analyse_run(run)["added"], 0) << "two rungs are not to be mixed";
   EXPECT_EQ(add_designs(run, added(2)), 2);
   EXPECT_EQ(analyse_run(run)["added"], 2);

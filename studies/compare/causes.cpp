@@ -289,6 +289,39 @@ std::string reason_against_roughness(const ComparedPair& pair, const PairCauses&
   return "";
 }
 
+/// Where grey values show another roughness, and leave open which.
+std::string open_roughness(double roughness, double change) {
+  return fmt::format(
+      "The metal seems to be {} than simulated (material.roughness = {:.3g}), but three renderings "
+      "leave open by how much: neither roughness nor gain is told. Simulate it at a roughness near "
+      "{:.2g} and compare again.",
+      change > 0.0 ? "rougher" : "smoother",
+      roughness,
+      roughness + change);
+}
+
+/// The roughness, and the gain beside it in the place of the one that was told without it.
+void tell_roughness(const ComparedPair& pair,
+                    const compare_detail::RoughnessFit& fit,
+                    PairCauses& causes) {
+  causes.roughness_change = fit.change;
+  causes.roughness_bound = fit.bound;
+  causes.told.push_back({.name = "roughness",
+                         .value = fit.change,
+                         .sigma = fit.sigma,
+                         .share = fit.share,
+                         .of = "grey"});
+  if (!has_unknown_exposure(pair) &&
+      std::abs(fit.gain - 1.0) > std::max(kMinGain, kSurelySigmas * fit.gain_sigma)) {
+    causes.gain = fit.gain;
+    causes.told.push_back({.name = "gain",
+                           .value = fit.gain,
+                           .sigma = fit.gain_sigma,
+                           .share = fit.gain_share,
+                           .of = "grey"});
+  }
+}
+
 }  // namespace
 
 std::vector<SpaceEdge> space_edges(const ComparedPair& pair, const SceneSettings& scene) {
@@ -354,28 +387,17 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
         "their grey values do not tell it from the gain.");
     return;
   }
-  if (std::abs(fit->change) < kSurelySigmas * fit->sigma ||
+  if (std::abs(fit->change) < kSurelySigmas * fit->noise_sigma ||
       fit->share < kMinShare * (1.0 - fit->gain_share)) {
     return;
   }
-  causes.roughness_change = fit->change;
-  causes.roughness_bound = fit->bound;
   std::erase_if(causes.told, [](const ToldCause& cause) { return cause.name == "gain"; });
-  causes.told.push_back({.name = "roughness",
-                         .value = fit->change,
-                         .sigma = fit->sigma,
-                         .share = fit->share,
-                         .of = "grey"});
   causes.gain = 1.0;
-  if (!has_unknown_exposure(pair) &&
-      std::abs(fit->gain - 1.0) > std::max(kMinGain, kSurelySigmas * fit->gain_sigma)) {
-    causes.gain = fit->gain;
-    causes.told.push_back({.name = "gain",
-                           .value = fit->gain,
-                           .sigma = fit->gain_sigma,
-                           .share = fit->gain_share,
-                           .of = "grey"});
+  if (!fit->is_within_reach || std::abs(fit->change) < kSurelySigmas * fit->sigma) {
+    causes.notes.push_back(open_roughness(scene.material.roughness, fit->change));
+    return;
   }
+  tell_roughness(pair, *fit, causes);
 }
 
 void note_unsought_roughness(const ComparedPair& pair, PairCauses& causes) {

@@ -59,8 +59,9 @@ PairCauses find_causes(const ComparedPair& pair, const KnownCamera& known = {});
 
 /// Adds the roughness of the metal, and the gain beside it, where grey values tell it: renders the
 /// scene up to three times with the causes put in. Leaves all as it is where there is no such
-/// scene, and but for a note where the part's pose is doubtful, the picture seems to be turned, both
-/// pictures hardly correlate, or grey values do not tell it.
+/// scene, and but for a note where the part's pose is doubtful, the picture seems to be turned, or
+/// both pictures hardly correlate. Where the change is too large for three renderings to say how
+/// large it is, a note takes the place of roughness and gain.
 /// @throws ConfigError, IoError
 void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& causes);
 

@@ -22,6 +22,7 @@
 #include "metrics/appearance/unclipped_pixels.h"
 #include "simulator/sensor/sensor.h"
 #include "studies/compare/camera/reduced_scene.h"
+#include "studies/compare/rendered_halves.h"
 #include "studies/definition/render_methods.h"
 #include "studies/imaging/path_picture.h"
 #include "studies/imaging/scene_picture.h"
@@ -42,6 +43,9 @@ constexpr std::size_t kMinPixels = 1000;
 constexpr double kHeadroom = 2.0;
 constexpr double kStep = 1.25;  ///< factor on the roughness
 constexpr double kMinRoughness = 0.02;
+constexpr double kReach = 1.7;  ///< factor on the roughness within which three renderings tell it
+constexpr double kSurelyCurved = 2.0;  ///< sigmas
+constexpr double kMaxGainStep = 1.5;   ///< a gain that moves more between two fits is not settled
 constexpr int kBlockPx = 12;  ///< whose misfit is taken together: it is alike for neighbours
 constexpr int kRimPx = 2;     ///< from the part's edge
 
@@ -50,9 +54,6 @@ int factor_of(const SceneSettings& scene) {
                               (scene.camera.height_px + kHeightPx - 1) / kHeightPx);
   return std::max(factor, 1);
 }
-
-/// Two independent pictures of one scene.
-using Halves = std::array<ImageF, 2>;
 
 /// Mean grey that light makes in the scene's frames, without one of the two batches. One frame may
 /// be up to twice as bright as full scale; of several each is clipped, as only their mean is
@@ -103,46 +104,6 @@ Mask clipped_in(const ImageF& grey, int factor) {
   return clipped;
 }
 
-ImageF mean_of(const Halves& halves) {
-  ImageF mean = halves[0];
-  std::ranges::transform(
-      mean.values(), halves[1].values(), mean.values().begin(), [](float one, float other) {
-        return 0.5F * (one + other);
-      });
-  return mean;
-}
-
-void subtract_mean(ImageF& picture, std::span<const std::size_t> pixels) {
-  double sum = 0.0;
-  for (const std::size_t pixel : pixels) {
-    sum += static_cast<double>(picture.values()[pixel]);
-  }
-  const auto mean = static_cast<float>(sum / static_cast<double>(pixels.size()));
-  for (float& value : picture.values()) {
-    value -= mean;
-  }
-}
-
-/// real = gain base + product derivative, product = gain times the change.
-struct GreyFit {
-  Vector2d values = Vector2d::Zero();
-  Matrix2d covariance = Matrix2d::Zero();
-  Matrix2d bound = Matrix2d::Zero();  ///< of the covariance, by the photograph's noise alone
-  double rest = 0.0;                  ///< sum of squares
-
-  double change() const { return values[1] / values[0]; }
-
-  double change_sigma() const { return change_sigma(covariance); }
-
-  double change_bound() const { return change_sigma(bound); }
-
- private:
-  double change_sigma(const Matrix2d& of_values) const {
-    const Vector2d derivative(-change() / values[0], 1.0 / values[0]);
-    return std::sqrt(derivative.dot(of_values * derivative));
-  }
-};
-
 class RoughnessSearch {
  public:
   RoughnessSearch(const ComparedPair& pair, const SceneSettings& scene, SceneStore& store)
@@ -165,17 +126,17 @@ class RoughnessSearch {
       subtract_mean(real_, pixels_);
     }
     const double stepped = first * kStep <= 1.0 ? first * kStep : first / kStep;
-    auto fit = fitted(base, derivatives_between(base, at(stepped), stepped - first));
+    std::vector<Rendering> renderings = {{first, std::move(base)}, {stepped, at(stepped)}};
+    const auto fit = fitted(renderings[0].grey, derivative_between(renderings[0], renderings[1]));
     if (!fit) {
       return std::nullopt;
     }
-    double found = bounded(first + fit->change());
-    if (std::abs(found - first) > fit->change_sigma()) {
-      const Halves nearer = at(found);
-      fit = fitted(nearer, derivatives_between(base, nearer, found - first));
-      found = fit ? bounded(found + fit->change()) : first;
+    const double nearer = bounded(first + fit->change());
+    if (std::abs(fit->change()) <= fit->change_sigma() || nearer == first) {
+      return told(renderings[0].grey, *fit, nearer - first);
     }
-    return fit ? std::optional(told(base, *fit, found - first)) : std::nullopt;
+    renderings.push_back({nearer, at(nearer)});
+    return told_by_third(renderings, *fit);
   }
 
  private:
@@ -204,9 +165,57 @@ class RoughnessSearch {
     return {grey_of(*picture, scene, 1), grey_of(*picture, scene, 0)};
   }
 
-  /// Roughness that metal may have.
+  /// Roughness that metal may have, within reach of the scene's.
   double bounded(double roughness) const {
-    return std::clamp(roughness, std::max(0.4 * scene_.material.roughness, kMinRoughness), 1.0);
+    const double own = scene_.material.roughness;
+    return std::clamp(
+        roughness, std::max(own / kReach, kMinRoughness), std::min(kReach * own, 1.0));
+  }
+
+  /// From the third rendering along the straight line to it from the first; where the parabola
+  /// through all three leads on from there by more than its noise, that far, and half of it is
+  /// open.
+  /// @param first_fit  along the straight line to the second one
+  std::optional<RoughnessFit> told_by_third(std::span<const Rendering> renderings,
+                                            const GreyFit& first_fit) const {
+    const Rendering& first = renderings[0];
+    const Rendering& third = renderings[2];
+    const auto straight = fitted(third.grey, derivative_between(first, third));
+    if (!straight) {
+      return std::nullopt;
+    }
+    const double found = third.roughness + straight->change();
+    const Interpolated parabola = interpolated(renderings, found);
+    const auto curved = fitted(parabola.grey, parabola.derivative);
+    if (!curved || std::abs(curved->change()) <= kSurelyCurved * curved->change_sigma()) {
+      return told_within(renderings, first_fit, *straight, found);
+    }
+    const double further = found + curved->change();
+    RoughnessFit result = told_within(renderings, first_fit, *curved, further);
+    result.sigma = std::hypot(result.sigma, 0.5 * curved->change());
+    result.gain_sigma = std::hypot(result.gain_sigma, 0.5 * (curved->gain() - straight->gain()));
+    result.is_within_reach = result.is_within_reach &&
+                             (is_between(renderings, found) || !is_between(renderings, further));
+    return result;
+  }
+
+  static bool is_between(std::span<const Rendering> renderings, double roughness) {
+    const auto [least, most] = std::ranges::minmax(renderings, {}, &Rendering::roughness);
+    return roughness >= least.roughness && roughness <= most.roughness;
+  }
+
+  /// Told where the first step stayed within reach, and the gain has not moved far since.
+  RoughnessFit told_within(std::span<const Rendering> renderings,
+                           const GreyFit& first_fit,
+                           const GreyFit& fit,
+                           double found) const {
+    const double first = renderings[0].roughness;
+    RoughnessFit result = told(renderings[0].grey, fit, bounded(found) - first);
+    const double stepped = first + first_fit.change();
+    result.is_within_reach = found == bounded(found) && stepped == bounded(stepped) &&
+                             std::max(fit.gain(), first_fit.gain()) <=
+                                 kMaxGainStep * std::min(fit.gain(), first_fit.gain());
+    return result;
   }
 
   /// @return whether there are enough
@@ -225,20 +234,6 @@ class RoughnessSearch {
     pixels_ = unclipped_pixels(
         mean_of(base), real_, shown, {.full_scale = 1.0 - dark_, .noise_over_rest = 1.0 * factor_});
     return pixels_.size() >= kMinPixels;
-  }
-
-  static Halves derivatives_between(const Halves& base, const Halves& changed, double step) {
-    Halves derivatives = changed;
-    for (std::size_t half = 0; half < 2; ++half) {
-      std::ranges::transform(
-          changed[half].values(),
-          base[half].values(),
-          derivatives[half].values().begin(),
-          [&](float after, float before) {
-            return static_cast<float>(static_cast<double>(after - before) / step);
-          });
-    }
-    return derivatives;
   }
 
   static Vector2d row_of(const Halves& base,
@@ -323,8 +318,9 @@ class RoughnessSearch {
     const double by_gain = squares * (gain - 1.0) * (gain - 1.0);
     return {.change = change,
             .sigma = fit.change_sigma(),
+            .noise_sigma = fit.change_sigma(),
             .bound = fit.change_bound(),
-            .gain = fit.values[0],
+            .gain = fit.gain(),
             .gain_sigma = std::sqrt(fit.covariance(0, 0)),
             .share = misfit > 0.0 ? std::max(misfit - by_gain - fit.rest, 0.0) / misfit : 0.0,
             .gain_share = misfit > 0.0 ? by_gain / misfit : 0.0,

@@ -14,16 +14,20 @@ namespace glint::compare_detail {
 
 /// real = gain (simulated at the changed roughness).
 struct RoughnessFit {
-  double change = 0.0;  ///< of material.roughness
-  double sigma = 0.0;   ///< by the scatter of blocks of pixels
-  /// Cramer-Rao bound of sigma, were the photograph's noise all that is not known, and independent
-  /// and alike in all reduced pixels.
+  double change = 0.0;       ///< of material.roughness
+  double sigma = 0.0;        ///< of the change, by noise and by what three renderings leave open
+  double noise_sigma = 0.0;  ///< by the scatter of blocks of pixels alone
+  /// Cramer-Rao bound of noise_sigma, were the photograph's noise all that is not known, and
+  /// independent and alike in all reduced pixels.
   double bound = 0.0;
   double gain = 1.0;
-  double gain_sigma = 0.0;
+  double gain_sigma = 0.0;  ///< as sigma
   double share = 0.0;       ///< of the misfit of grey values, in [0, 1]
   double gain_share = 0.0;  ///< the same, of the gain
   int renders = 0;          ///< at most 3, of at most 612 x 512 pixels
+  /// Whether these tell the change: all fits have it within a factor of 1.7 of the scene's
+  /// roughness, and the gain does not move far between them.
+  bool is_within_reach = true;
 };
 
 /// Whether a scene's grey values may tell its roughness: path-traced metal with material.roughness,

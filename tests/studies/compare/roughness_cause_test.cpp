@@ -93,6 +93,38 @@ TEST(FitRoughness, FindsItInAWiderPictureByThreePicturesAtMost) {
   expect_found(700);
 }
 
+// Somewhat rougher, much smoother, and a quarter as rough: the first is told within four sigmas,
+// and how rough the others are is left open. By noise alone these would be 30 to 80 sigmas off.
+TEST(FitRoughness, OfAnotherMetalIsHonestOrOpen) {
+  constexpr double kOwn = 0.40;
+  ThreadPool pool(2);
+  int told = 0;
+  for (const double real : {0.46, 0.25, 0.10}) {
+    ComparedPair pair;
+    pair.real.grey = photographed(metal_plate(120, real), pool, 1.0);
+    SceneStore store(pool);
+    const auto fit = fit_roughness(pair, metal_plate(120, kOwn), store);
+    ASSERT_TRUE(fit);
+    std::printf("%.2f: change %.4f +- %.4f (noise %.4f), gain %.4f +- %.4f%s\n",
+                real,
+                fit->change,
+                fit->sigma,
+                fit->noise_sigma,
+                fit->gain,
+                fit->gain_sigma,
+                fit->is_within_reach ? "" : ", beyond reach");
+    const double off = std::abs(kOwn + fit->change - real);
+    if (fit->is_within_reach) {
+      EXPECT_LE(off, 4.0 * fit->sigma) << real;
+      EXPECT_LE(std::abs(fit->gain - 1.0), 4.0 * fit->gain_sigma) << real;
+      told += std::abs(fit->change) >= 4.0 * fit->sigma ? 1 : 0;
+    }
+    EXPECT_EQ(fit->is_within_reach, real > 0.4);
+    EXPECT_LE(fit->renders, 3);
+  }
+  EXPECT_EQ(told, 1);
+}
+
 /// The same plate before a sensor with so much of a dark signal.
 SceneSettings dark_plate(int width_px, double roughness, double dark_grey) {
   SceneSettings scene = metal_plate(width_px, roughness);
@@ -189,6 +221,22 @@ PlatePair plate_pair(const std::filesystem::path& folder, double real, ThreadPoo
   result.causes.gain = 0.5;
   result.causes.told.push_back({.name = "gain", .value = 0.5, .sigma = 0.01, .of = "grey"});
   return result;
+}
+
+// Metal of another roughness makes a gain of none: neither is told where it is open how rough it
+// is.
+TEST_F(CompareFiles, RoughnessThatIsOpenHasANoteInThePlaceOfTheGain) {
+  ThreadPool pool(2);
+  PlatePair plates = plate_pair(folder(), 0.1, pool);
+  SceneStore store(pool);
+  add_roughness(plates.pair, store, plates.causes);
+  EXPECT_TRUE(plates.causes.told.empty());
+  EXPECT_EQ(plates.causes.gain, 1.0);
+  EXPECT_EQ(plates.causes.roughness_change, 0.0);
+  ASSERT_EQ(plates.causes.notes.size(), 1U);
+  EXPECT_NE(plates.causes.notes[0].find("smoother than simulated (material.roughness = 0.4)"),
+            std::string::npos)
+      << plates.causes.notes[0];
 }
 
 TEST_F(CompareFiles, RoughnessIsNotSoughtWithoutCorrelation) {

@@ -3,15 +3,22 @@
 #
 # The parts of `script/test --deep`: what is checked more rarely than at each commit, because it
 # takes hours. To be sourced after common.sh. A part is a function deep_<name>; each is meant to
-# stay below 40 minutes on two cores, so that one can be run at a time.
+# stay below 40 minutes on two cores, so that one can be run at a time; the first part of a sanitizer
+# builds everything for it besides.
 
 # part, what it does
 deep_parts='
 clang          the fast tests, built by clang
 release        the release build of program and benchmarks
 asan           the fast tests but those of studies and cli, under AddressSanitizer and UBSan
-asan_studies   those of studies and cli, under AddressSanitizer and UBSan
-tsan           tests of core, optimizer and studies under ThreadSanitizer
+asan_studies   those of studies, but the next two, under AddressSanitizer and UBSan
+asan_runs      those of whole runs: run, validate, calibrate, population, frontier
+asan_gallery   those of the gallery
+asan_cli       those of cli
+tsan           tests of core and optimizer under ThreadSanitizer
+tsan_studies   tests of studies, but the next two, under ThreadSanitizer
+tsan_runs      those of whole runs: run, validate, calibrate, population, frontier
+tsan_gallery   those of the gallery
 tsan_hardware  tests of hardware under ThreadSanitizer
 tidy_core      clang-tidy on core, metrics, optimizer, defects and cli
 tidy_simulator clang-tidy on simulator
@@ -53,6 +60,9 @@ run_tests() { # preset, options of ctest
     -j "$((jobs < 2 ? jobs : 2))" "$@"
 }
 
+# Tests of whole runs: more work under a sanitizer than all others of studies together.
+whole_runs='^studies_(run|validate|calibrate|population|frontier)$'
+
 # Tests that look at files and text alone, or run other programs than ours.
 outside='^(layering|bench_against|golden)'
 
@@ -73,7 +83,10 @@ run_under_asan() { # options of ctest
 }
 
 deep_asan() { run_under_asan -E "$outside|^(studies|cli)"; }
-deep_asan_studies() { run_under_asan -R '^(studies|cli)'; }
+deep_asan_studies() { run_under_asan -R '^studies' -E "$whole_runs|^studies_gallery\$"; }
+deep_asan_runs() { run_under_asan -R "$whole_runs"; }
+deep_asan_gallery() { run_under_asan -R '^studies_gallery$'; }
+deep_asan_cli() { run_under_asan -R '^cli'; }
 
 # Without the search for deadlocks: what libraries lock in inlined code and unlock in their own, which
 # is passed over, counts as held until 64 locks are too many.
@@ -83,7 +96,10 @@ run_under_tsan() { # options of ctest
     run_tests tsan -LE slow "$@"
 }
 
-deep_tsan() { run_under_tsan -R '^(core|optimizer|studies)'; }
+deep_tsan() { run_under_tsan -R '^(core|optimizer)'; }
+deep_tsan_studies() { run_under_tsan -R '^studies' -E "$whole_runs|^studies_gallery\$"; }
+deep_tsan_runs() { run_under_tsan -R "$whole_runs"; }
+deep_tsan_gallery() { run_under_tsan -R '^studies_gallery$'; }
 
 # Not the camera's twin: pictures of five million pixels do not come within the product's deadlines
 # where every access takes ten times as long.

@@ -15,6 +15,7 @@
 #include "studies/compare/grab_cut.h"
 #include "studies/compare/inspected_pair.h"
 #include "tests/studies/compare/compare_fixture.h"
+#include "tests/studies/compare/known_defects.h"
 
 namespace glint {
 namespace {
@@ -272,11 +273,12 @@ TEST_F(ComparePairTest, TakesAGivenMask) {
       compare(drawn_blade(), drawn_blade({.index = 1}), {.real_mask = write("m.png", whole)});
   EXPECT_EQ(pair.geometry.outlines.real.method, OutlineMethod::kMask);
   EXPECT_GE(pair.geometry.iou.value(), 0.998);
-  EXPECT_THAT(pair.notes, Not(Contains(HasSubstr("white all over"))));
+  EXPECT_THAT(pair.notes,
+              ::testing::Not(::testing::Contains(::testing::HasSubstr("white all over"))));
   std::ranges::fill(whole.values(), 1.0F);
   const ComparedPair white =
       compare(drawn_blade(), drawn_blade({.index = 1}), {.real_mask = write("w.png", whole)});
-  EXPECT_THAT(white.notes, Contains(HasSubstr("white all over")));
+  EXPECT_THAT(white.notes, ::testing::Contains(::testing::HasSubstr("white all over")));
 }
 
 // A surface that fills both pictures: its own edges serve.
@@ -306,28 +308,12 @@ TEST_F(ComparePairTest, TakesNoInnerEdgesOfTheOtherSign) {
   EXPECT_THAT(pair.geometry.outlines.notes, ::testing::Contains(::testing::HasSubstr(" 0 %")));
 }
 
-class KnownDentTest : public CompareFiles {
+class KnownDentTest : public KnownDefects {
  protected:
   /// A blade whose simulated side knows a dent of radius 5 px, 40 px left of the picture's middle.
   ComparedPair compared() const {
-    write_file(folder() / "scene.toml",
-               "[camera]\nwidth_px = 200\nheight_px = 160\nobject_pixel_mm = 0.1\n"
-               "working_distance_mm = 500\n");
-    write_file(folder() / "defects.json",
-               R"({"schema": 1, "defects": [{"id": 0, "label": "dent_1", "kind": "dent",
-                   "centre_mm": [-4, 0, 0], "area_px": 78.5}]})");
-    ImageF mask = drawn_blade({.noise = 0.0});
-    for (float& grey : mask.values()) {
-      grey = grey > 0.25F ? 1.0F : 0.0F;
-    }
-    return compare_pair(
-        {.simulated = {.name = "s",
-                       .picture = write("s.png", drawn_blade()),
-                       .mask = write("part_mask.png", mask),
-                       .scene = folder() / "scene.toml",
-                       .truth = folder() / "defects.json"},
-         .real = {.name = "r", .picture = write("r.png", drawn_blade({.index = 1}))}},
-        {});
+    return compared_with(
+        R"({"id": 0, "label": "dent_1", "kind": "dent", "centre_mm": [-4, 0, 0], "area_px": 78.5})");
   }
 
   ThreadPool pool_{1};

@@ -9,36 +9,18 @@
 #include "core/file.h"
 #include "core/thread_pool.h"
 #include "studies/validate/validate_result.h"
-#include "tests/studies/compare/compare_fixture.h"
+#include "tests/studies/compare/known_defects.h"
 
 namespace glint::validate_detail {
 namespace {
 
-class TwoDentsTest : public CompareFiles {
+class TwoDentsTest : public KnownDefects {
  protected:
   /// A blade with dents 40 px left and right of the picture's middle, of radius 5 px.
   ComparedPair compared() const {
-    write_file(folder() / "scene.toml",
-               "[camera]\nwidth_px = 200\nheight_px = 160\nobject_pixel_mm = 0.1\n"
-               "working_distance_mm = 500\n");
-    write_file(folder() / "defects.json",
-               R"({"schema": 1, "defects": [
-                   {"id": 0, "label": "dent_1", "kind": "dent", "centre_mm": [-4, 0, 0],
-                    "area_px": 78.5},
-                   {"id": 1, "label": "dent_2", "kind": "dent", "centre_mm": [4, 0, 0],
-                    "area_px": 78.5}]})");
-    ImageF mask = drawn_blade({.noise = 0.0});
-    for (float& grey : mask.values()) {
-      grey = grey > 0.25F ? 1.0F : 0.0F;
-    }
-    return compare_pair(
-        {.simulated = {.name = "s",
-                       .picture = write("s.png", drawn_blade()),
-                       .mask = write("part_mask.png", mask),
-                       .scene = folder() / "scene.toml",
-                       .truth = folder() / "defects.json"},
-         .real = {.name = "r", .picture = write("r.png", drawn_blade({.index = 1}))}},
-        {});
+    return compared_with(
+        R"({"id": 0, "label": "dent_1", "kind": "dent", "centre_mm": [-4, 0, 0], "area_px": 78.5},
+           {"id": 1, "label": "dent_2", "kind": "dent", "centre_mm": [4, 0, 0], "area_px": 78.5})");
   }
 
   /// What both sides show where the photograph has the part so far to the left.

@@ -18,11 +18,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// "--mounted wide", and that another name which was typed has to go, or "--confirmed ring".
+/// "--mounted wide", and that another name which was typed has to go, or "--confirmed ring=on".
 std::string confirming_text(const Json& next) {
   if (next.contains("lights")) {
     std::vector<std::string> options;
-    for (const Json& light : next["lights"]) {
+    for (const Json& light : next["confirm"]) {
       options.push_back("--confirmed " + shell_word(light.get<std::string>()));
     }
     return join(options, " ");

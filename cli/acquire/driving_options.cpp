@@ -85,9 +85,9 @@ void add_driving_options(CLI::App& verb, AcquireArguments& arguments, const std:
   verb.add_option("--confirmed",
                   arguments.confirmed,
                   when +
-                      "name of a manual light that is already as its first picture needs it; you "
-                      "are asked for others, and later changes, at the terminal")
-      ->type_name("NAME")
+                      "manual light that is on or off already; NAME alone: as its first picture "
+                      "needs it; you are asked for others, and later changes, at the terminal")
+      ->type_name("NAME[=on|off]")
       ->allow_extra_args(false);
 }
 

@@ -61,7 +61,11 @@ std::string switch_request(const std::string& light, bool is_on) {
 void PromptedLight::set(bool is_on) {
   if (!confirm_ ||
       !confirm_(is_on, switch_request(name_, is_on) + ", then leave the arm's reach")) {
-    throw IoError(fmt::format("light {}: nobody confirms that it is {}", name_, word(is_on)));
+    throw IoError(
+        fmt::format("light {0}: nobody confirms that it is {1}; once it is, the command "
+                    "needs --confirmed {0}={1}",
+                    name_,
+                    word(is_on)));
   }
   is_on_ = is_on;
 }

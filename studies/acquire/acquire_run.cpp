@@ -86,7 +86,8 @@ Json mounting_step(const std::string& design,
 /// Manual lights that a person has to set for a view; null: none.
 Json light_step(const ConfirmedLights& lights, const Cell& cell, const ViewTask& task) {
   const std::optional<LightWish> wish = light_wish(lights, cell, task);
-  return wish ? Json{{"lights", wish->lights}, {"text", wish->text}} : Json(nullptr);
+  return wish ? Json{{"lights", wish->lights}, {"confirm", wish->confirm}, {"text", wish->text}}
+              : Json(nullptr);
 }
 
 /// What a person has to do first, and has not confirmed; null: nothing. Lights are asked for on the

@@ -22,11 +22,27 @@ std::vector<std::string> manual_lights(const Cell& cell) {
   return names;
 }
 
+struct ConfirmedLight {
+  std::string name;
+  std::optional<bool> is_on;
+};
+
+ConfirmedLight parse_confirmed(const std::string& text) {
+  for (const bool is_on : {true, false}) {
+    const std::string state = is_on ? "=on" : "=off";
+    if (text.ends_with(state)) {
+      return {.name = text.substr(0, text.size() - state.size()), .is_on = is_on};
+    }
+  }
+  return {.name = text, .is_on = std::nullopt};
+}
+
 }  // namespace
 
 ConfirmedLights::ConfirmedLights(const std::vector<std::string>& names) {
-  for (const std::string& name : names) {
-    named_[name] = std::nullopt;
+  for (const std::string& text : names) {
+    ConfirmedLight light = parse_confirmed(text);
+    named_[light.name] = light.is_on;
   }
 }
 
@@ -44,11 +60,11 @@ void ConfirmedLights::note(const std::string& light, bool is_on) {
 
 void check_confirmed(const std::vector<std::string>& names, const Cell& cell) {
   const std::vector<std::string> manual = manual_lights(cell);
-  for (const std::string& name : names) {
-    if (std::ranges::find(manual, name) == manual.end()) {
+  for (const std::string& text : names) {
+    if (std::ranges::find(manual, parse_confirmed(text).name) == manual.end()) {
       throw ConfigError(
           fmt::format("--confirmed {}: is no light of {} that a person switches; {}",
-                      name,
+                      text,
                       cell.file.string(),
                       manual.empty() ? "it has none" : "these are " + join(manual, ", ")));
     }
@@ -64,6 +80,7 @@ std::optional<LightWish> light_wish(const ConfirmedLights& confirmed,
     const bool is_on = std::ranges::find(task.lights, name) != task.lights.end();
     if (!confirmed.is_set(name, is_on)) {
       wish.lights.push_back(name);
+      wish.confirm.push_back(name + (is_on ? "=on" : "=off"));
       requests.push_back(switch_request(name, is_on));
     }
   }

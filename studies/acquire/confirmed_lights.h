@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Which lights a person has set by hand, as the command line names them. A name stands for one
-// state, the first that is needed of that light: for any other somebody has to be asked.
+// Which lights a person has set by hand, as the command line names them: "ring=on", "ring=off", or
+// "ring" alone, which stands for the first state that is needed of it. For any other state somebody
+// has to be asked.
 #pragma once
 
 #include <map>
@@ -28,7 +29,7 @@ class ConfirmedLights {
   void note(const std::string& light, bool is_on);
 
  private:
-  std::map<std::string, std::optional<bool>> named_;  ///< by name; empty: not needed so far
+  std::map<std::string, std::optional<bool>> named_;  ///< by name; empty: not told, nor needed yet
 };
 
 /// @param names  of the command line
@@ -38,6 +39,7 @@ void check_confirmed(const std::vector<std::string>& names, const Cell& cell);
 /// Manual lights that a person has to set, and what is to be done.
 struct LightWish {
   std::vector<std::string> lights;
+  std::vector<std::string> confirm;  ///< what the command line then says of each
   std::string text;
 };
 

@@ -94,7 +94,9 @@ TEST(Acquire, EndsAtALightThatNobodySwitches) {
                                       .wait = [](double) {}};
   const AcquisitionResult result = acquire(bench.plan, devices, {}, [](const TakenPicture&) {});
   EXPECT_EQ(result.cause, AcquisitionCause::kLight);
-  EXPECT_EQ(result.text, "light ring: nobody confirms that it is on");
+  EXPECT_EQ(result.text,
+            "light ring: nobody confirms that it is on; once it is, the command needs --confirmed "
+            "ring=on");
   EXPECT_EQ(asked, 1);
 }
 

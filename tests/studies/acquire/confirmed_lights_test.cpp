@@ -40,6 +40,16 @@ TEST(ConfirmedLights, CountForTheStateThatIsNeededFirst) {
   EXPECT_FALSE(lights.is_set("ring", false));
 }
 
+// A view that was rejected comes first again, with another light than the last one that was asked
+// for.
+TEST(ConfirmedLights, CountForTheStateThatIsTold) {
+  const ConfirmedLights lights({"ring=off", "dome=on"});
+  EXPECT_FALSE(lights.is_set("ring", true)) << "though it is needed first";
+  EXPECT_TRUE(lights.is_set("ring", false));
+  EXPECT_TRUE(lights.is_set("dome", true));
+  EXPECT_FALSE(lights.is_set("dome", false));
+}
+
 TEST(ConfirmedLights, FollowAPersonWhoSwitchesThem) {
   ConfirmedLights lights({"ring"});
   lights.note("ring", true);
@@ -56,6 +66,7 @@ TEST(LightWish, NamesWhatAPersonHasToSwitch) {
   const auto both = light_wish(ConfirmedLights(), cell, task);
   ASSERT_TRUE(both.has_value());
   EXPECT_THAT(both->lights, ElementsAre("ring", "dome"));
+  EXPECT_THAT(both->confirm, ElementsAre("ring=on", "dome=off"));
   EXPECT_EQ(both->text,
             "turn on the light ring, turn off the light dome, then leave the arm's reach");
   EXPECT_FALSE(light_wish(ConfirmedLights({"ring", "dome"}), cell, task).has_value());
@@ -66,8 +77,8 @@ TEST(LightWish, NamesWhatAPersonHasToSwitch) {
 
 TEST(CheckConfirmed, RefusesWhatNobodySwitches) {
   const Cell cell = hand_lit_cell();
-  EXPECT_NO_THROW(check_confirmed({"ring", "dome"}, cell));
-  for (const char* name : {"rnig", "bar"}) {
+  EXPECT_NO_THROW(check_confirmed({"ring", "dome=off"}, cell));
+  for (const char* name : {"rnig", "bar", "bar=on", "ring=of"}) {
     EXPECT_THAT([&] { check_confirmed({name}, cell); },
                 testing::ThrowsMessage<ConfigError>(HasSubstr("these are ring, dome")));
   }

@@ -43,7 +43,8 @@ void add_camera(const CellCamera& camera, PictureGrounds& grounds) {
 /// Where the stripes stand at each position, or what a display shows there.
 void add_stage(const CellStage& stage, const SceneSettings* scene, PictureGrounds& grounds) {
   const StageScan scan = scene != nullptr ? stage_scan(*scene) : StageScan{};
-  const ScanSteps steps = {.to_first_mm = scene != nullptr ? stripe_offset_mm(*scene) : 0.0,
+  const bool is_moved = scene != nullptr && stage.kind == CellStage::Kind::kGrbl;
+  const ScanSteps steps = {.to_first_mm = is_moved ? stripe_offset_mm(*scene) : 0.0,
                            .to_next_mm = scan.step_mm};
   const StageWay way = stage_way_of(stage, scan.positions, steps);
   const std::string table = "[stage] ";

@@ -254,7 +254,7 @@ void put_joint(const CalibrateInput& input, const SolvedCalibration& solved, Jso
   const HandEyeCalibration& joint = *solved.joint;
   json["setup"] = is_in_hand(joint) ? "eye_in_hand" : "eye_to_hand";
   json["hand_eye"] = hand_eye_json(input, solved);
-  json["convention"] = convention_json(*input.convention);
+  json["convention"] = input.convention ? convention_json(*input.convention) : Json(nullptr);
   json["noise"] = {{"corner_px", joint.noise.corner_px},
                    {"pattern_px", joint.noise.whole_pattern_px()},
                    {"robot_deg", joint.noise.robot_rad * kDegPerRad},

@@ -161,7 +161,8 @@ void read_robot(const CalibrateOptions& options, CalibrateInput& input) {
     input.method = method_of(options.method);
   }
   input.poses = read_poses(options.poses, settings_from_sets<PoseConvention>(options.sets, kTable));
-  input.convention = options.first_convention.value_or(input.poses->convention);
+  input.convention =
+      options.are_known_poses ? options.first_convention : std::optional(input.poses->convention);
   input.notes = input.poses->told;
   std::vector<std::string> pose_names;
   for (const RobotPose& pose : input.poses->poses) {

@@ -31,7 +31,8 @@ struct CalibrateOptions {
   std::optional<Board> known_board;  ///< where there is no file of it
   Board known_given;                 ///< known_board as its file has it: see KnownCalibration
   std::vector<std::filesystem::path> poses;  ///< empty: the camera alone
-  /// How the poses were read before they became those of poses.toml of a folder in `from`.
+  bool are_known_poses = false;              ///< those of poses.toml of a folder in `from`
+  /// How known poses were read from what the robot wrote; none: that is not on record.
   std::optional<PoseConvention> first_convention;
   std::filesystem::path camera;  ///< known intrinsics; empty: all are estimated
   std::filesystem::path out;     ///< empty: out/<the pictures' folder>/calibrate

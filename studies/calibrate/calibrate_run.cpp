@@ -116,6 +116,7 @@ void take_poses(const fs::path& folder, const Json& known, CalibrateOptions& opt
   }
   options.poses = {source_of(folder, "poses.toml", "--poses")};
   options.sets.insert(options.sets.begin(), {.path = "poses.pair_by", .value = "order"});
+  options.are_known_poses = true;
   options.first_convention = convention_in(known);
 }
 

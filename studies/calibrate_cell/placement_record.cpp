@@ -39,19 +39,13 @@ int PlacementRecord::last_put_down() const {
   return object_in(folder_ / "placed.json").value("placed", 0);
 }
 
-/// Edges were looked for in pictures of a folder that is not there any more.
-bool PlacementRecord::are_pictures_gone(int number) const {
-  return recorded_sessions(numbered("placement", number)) == 0 &&
-         fs::exists(numbered("edges", number, ".csv"));
-}
-
 bool PlacementRecord::is_put_down(int number) const {
   const fs::path pictures = numbered("placement", number);
   if (ended_round(pictures)) {
     return true;
   }
   if (last_put_down() == number) {
-    return !are_pictures_gone(number);
+    return fs::exists(pictures);  // put_down() makes it
   }
   if (recorded_sessions(pictures) > 0) {
     throw ConfigError(fmt::format(
@@ -65,6 +59,7 @@ bool PlacementRecord::is_put_down(int number) const {
 }
 
 void PlacementRecord::put_down(int number) const {
+  make_folder_durably(numbered("placement", number));
   write_file_durably(folder_ / "placed.json", Json{{"placed", number}}.dump() + "\n");
   std::error_code none;
   fs::remove(file_of_found(number), none);

@@ -23,7 +23,7 @@ class PlacementRecord {
                                  const std::string& ending = "") const;
 
   /// Whether nobody has to put the part down: its pictures have been taken, or it is the placement
-  /// that a person has put down last. Not where its pictures have been removed since.
+  /// that a person has put down last. Not where its folder of pictures has been removed since.
   /// @throws ConfigError where some of its pictures have been taken, and the part was put down for
   ///         another placement since: they cannot be completed
   bool is_put_down(int number) const;
@@ -41,7 +41,6 @@ class PlacementRecord {
  private:
   std::filesystem::path file_of_found(int number) const;
   int last_put_down() const;
-  bool are_pictures_gone(int number) const;
   nlohmann::ordered_json digests(int number) const;
 
   std::filesystem::path folder_;

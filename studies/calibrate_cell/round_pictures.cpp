@@ -42,9 +42,12 @@ namespace {
 /// this cell.
 void check_round(const AcquireOptions& options) {
   const AcquireSource source = read_source(options.source);
-  check_recorded_grounds(
-      options.out,
-      picture_grounds(source.scene ? &*source.scene : nullptr, read_cell(options.cell)));
+  Cell cell = read_cell(options.cell);
+  if (!source.scene) {
+    cell.stage.reset();  // wherever stripes stand, the corners of a board are where they are
+  }
+  check_recorded_grounds(options.out,
+                         picture_grounds(source.scene ? &*source.scene : nullptr, cell));
   if (!source.scene) {
     return;
   }

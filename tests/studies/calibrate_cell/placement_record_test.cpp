@@ -80,6 +80,9 @@ TEST_F(Placements, ArePutDownAnewWhereTheirPicturesWereRemoved) {
   EXPECT_FALSE(record_.is_put_down(1));
   record_.put_down(1);
   EXPECT_TRUE(record_.is_put_down(1)) << "nothing is photographed yet";
+  photograph(1, "badly seated", "stopped");  // nothing was looked for in these pictures
+  fs::remove_all(pictures(1));
+  EXPECT_FALSE(record_.is_put_down(1));
   finish(1, "first");
   finish(2, "second");
   EXPECT_TRUE(record_.is_put_down(1));

@@ -100,7 +100,8 @@ Points fitted_points(std::span<const LevelStatistics> levels, const PhotonTransf
 void check_has_noise(std::span<const LevelStatistics> levels) {
   constexpr double kNone = 1e-9;  // DN^2: what sums of equal numbers leave
   for (const LevelStatistics& level : levels) {
-    if (!level.is_dark && level.temporal_variance_dn2 < kNone &&
+    const bool is_clipped = level.clipped_share >= 0.5;  // beside them pixels that are dead at most
+    if (!level.is_dark && !is_clipped && level.temporal_variance_dn2 < kNone &&
         level.spatial_variance_dn2 > kRoundingVariance) {
       throw ConfigError(fmt::format(
           "the pictures of the bright level of exposure {} (mean {:.4g} DN) are all "

@@ -109,7 +109,7 @@ class Photographer {
           sharp_near_mm_,
           sharp_far_mm_));
     }
-    if (request_.near_mm > 0.0) {
+    if (request_.near_mm > 0.0 || sharp_near_mm_ >= far_mm_) {
       far_mm_ = std::min(kRange * near_mm_, sharp_far_mm_);
     } else {
       near_mm_ = std::max(far_mm_ / kRange, sharp_near_mm_);

@@ -183,6 +183,24 @@ TEST(PhotonTransfer, NamesALevelOfCopies) {
   }
 }
 
+// All pixels but a dead one are at full scale, in every picture.
+TEST(PhotonTransfer, TakesASaturatedLevelWithADeadPixelForNoCopies) {
+  const Model model;
+  std::vector<LevelStatistics> levels = model.series(12.0);
+  const PhotonTransfer without = photon_transfer(levels, model.full_dn);
+  LevelStatistics full = levels.back();
+  full.exposure = 1000.0;
+  full.is_dark = false;
+  full.mean_dn = model.full_dn - 0.1;
+  full.temporal_variance_dn2 = 0.0;
+  full.spatial_variance_dn2 = 16.0;
+  full.clipped_share = 0.999999;
+  levels.push_back(full);
+  EXPECT_NEAR(photon_transfer(levels, model.full_dn).fit.slope,
+              without.fit.slope,
+              0.01 * without.fit.slope);
+}
+
 /// Three bright levels of at most 85 of 4095 DN, as of codes of 8 bits that are read as 12.
 TEST(PhotonTransfer, RefusesLevelsThatAreAllFarBelowSaturation) {
   const Model model;

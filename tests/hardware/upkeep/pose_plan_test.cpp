@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -147,6 +148,12 @@ TEST(PosePlan, StaysWhereTheLensIsSharp) {
   wanted.sharp_near_mm = 1.0;
   wanted.sharp_far_mm = 1e6;
   EXPECT_EQ(informative_poses(wanted).near_mm, anywhere.near_mm);
+  // Sharp only beyond where the board fills enough of the picture, and without an end.
+  wanted.sharp_near_mm = 1.3 * anywhere.far_mm;
+  wanted.sharp_far_mm = std::numeric_limits<double>::infinity();
+  const PosePlan beyond = informative_poses(wanted);
+  EXPECT_EQ(beyond.near_mm, wanted.sharp_near_mm);
+  EXPECT_GT(beyond.far_mm, beyond.near_mm);
 }
 
 /// Error of fx of a calibration from the planned poses, in standard deviations that were promised.

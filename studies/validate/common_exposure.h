@@ -85,8 +85,13 @@ inline const GreyFit* common_fit(std::span<const DesignGrey> designs) {
   return sharpest;
 }
 
-/// Standard deviation of a design's exposure over that of the cell.
+/// Standard deviation of a design's exposure over that of the cell. Of one fit both have the same
+/// exposure, so that only their powers differ.
 inline double sigma_of_power(const GreyFit& fit, const GreyFit& common) {
+  if (fit.is_joint && common.is_joint) {
+    return std::hypot(fit.power_sigma, fit.power / common.power * common.power_sigma) /
+           common.power;
+  }
   const double ratio = fit.change.exposure / common.change.exposure;
   return std::hypot(sigma_of_exposure(fit), ratio * sigma_of_exposure(common)) /
          common.change.exposure;

@@ -84,6 +84,7 @@ class GreyFitter {
       tell(best, d, fits[d]);
       fits[d].kept = kept;
       tell_thin(model().even_cover(d), fits[d]);
+      tell_power(fits[d]);
       if (!is_searching) {
         fits[d].faults = {GreyFault::kExposure};
         fits[d].values[0].sigma = sigma_of_exposure(fits[d]);
@@ -344,6 +345,15 @@ class GreyFitter {
     fit.after = even_share(best.state, design);
     fit.rounding = model().rounding_share(design);
     fit.renders = model().renders();
+  }
+
+  void tell_power(GreyFit& fit) const {
+    const auto power = std::ranges::find(fit.values, GreyFault::kLightPower, &GreyValue::fault);
+    if (power != fit.values.end()) {
+      fit.power = power->value;
+      fit.power_sigma = power->sigma;
+    }
+    fit.is_joint = model().designs().size() > 1;
   }
 
   /// Without a block of pixels whose mean could be even nothing but the exposure is told.

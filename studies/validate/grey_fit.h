@@ -64,7 +64,10 @@ struct GreyFit {
   /// All others, as designed, with the sigma that they would have if they were free beside these;
   /// of each design those of all. Empty where no cause was looked for.
   std::vector<GreyValue> kept;
-  SceneChange change;     ///< the same for scenes; exposure with the design's power
+  SceneChange change;  ///< the same for scenes; exposure with the design's power
+  double power = 1.0;  ///< of its lights against those of the other designs of the same fit
+  double power_sigma = 0.0;
+  bool is_joint = false;  ///< fitted together with other designs, which share its exposure
   double before = 0.0;    ///< rms of even differences, share of the mean grey
   double exposed = 0.0;   ///< after an exposure of its own alone
   double after = 0.0;     ///< after all

@@ -83,6 +83,21 @@ TEST(Verdict, APowerWithinItsNoiseIsNoCause) {
   EXPECT_NEAR(verdict.faults[0].values[0].sigma, std::sqrt(2 * 1.089e-5 + 1.6e-5), 1e-9);
 }
 
+// However little the exposure is known that both share: dead segments beside it leave it open.
+TEST(Verdict, ThePowerOfADesignThatWasFittedWithTheOthersDoesNotHangOnTheirExposure) {
+  ValidationFindings findings = with_a_power(1.1, 0.004);
+  for (DesignGrey* grey : {&findings.grey[0], &findings.grey[1]}) {
+    grey->fit.values[0].sigma = 0.03;
+    grey->fit.is_joint = true;
+  }
+  findings.grey[1].fit.power = 1.1;
+  findings.grey[1].fit.power_sigma = 0.004;
+  const ValidateVerdict verdict = judge(findings);
+  ASSERT_EQ(verdict.faults.size(), 1U);
+  EXPECT_EQ(verdict.faults[0].name, "light_power");
+  EXPECT_NEAR(verdict.faults[0].values[0].sigma, 0.004, 1e-12);
+}
+
 // Variances add: 2 px of more blur are 4 px2, 0.8 px are 0.64.
 TEST(Verdict, ComparesBlurWithItsLimitInPixels) {
   ValidationFindings findings = alike();

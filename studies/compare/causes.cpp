@@ -394,6 +394,7 @@ void add_roughness(const ComparedPair& pair, SceneStore& store, PairCauses& caus
   std::erase_if(causes.told, [](const ToldCause& cause) { return cause.name == "gain"; });
   causes.gain = 1.0;
   if (!fit->is_within_reach || std::abs(fit->change) < kSurelySigmas * fit->sigma) {
+    causes.is_roughness_open = true;
     causes.notes.push_back(open_roughness(scene.material.roughness, fit->change));
     return;
   }

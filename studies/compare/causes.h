@@ -34,6 +34,7 @@ struct PairCauses {
   double gain = 1.0;                                     ///< of light; 1: none beyond noise
   double roughness_change = 0.0;                         ///< of material.roughness
   double roughness_bound = 0.0;                          ///< of its sigma: RoughnessFit::bound
+  bool is_roughness_open = false;                        ///< neither it nor the gain is told
   std::optional<PinholeIntrinsics> calibrated = {};      ///< the real camera, where it is known
   std::vector<std::string> notes = {};                   ///< why none is told
   bool is_pose_doubtful = false;                         ///< edges do not tell where the part lies

@@ -257,7 +257,11 @@ class CompareRun {
              "from (a view of glint render, a design of glint run, or --scene).";
     }
     if (num_refined_ == 0 && !joint_) {
-      return "Nothing was refined: no cause was found beyond noise.";
+      const bool is_open = std::ranges::any_of(
+          views_, [](const auto& view) { return view.causes.is_roughness_open; });
+      return is_open ? "Nothing was refined: how rough the metal is stays open, see the notes of "
+                       "the pairs."
+                     : "Nothing was refined: no cause was found beyond noise.";
     }
     if (plan_.pairs.size() == 1) {
       return "";

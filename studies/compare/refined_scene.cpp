@@ -108,21 +108,23 @@ std::vector<LensView> lens_views(std::span<const RefinedView> views) {
 }
 
 /// Gains were fitted beside the roughness where a view tells it: both of these views alone, where
-/// there are any.
+/// there are any. Views that leave both open say nothing.
 PairCauses joint_greys(std::span<const RefinedView> views) {
   const auto tells = [](const RefinedView& view) { return view.causes.roughness_change != 0.0; };
   const bool is_told = std::ranges::any_of(views, tells);
   std::vector<double> gains;
   std::vector<double> rougher;
   for (const RefinedView& view : views) {
-    if (!is_told || tells(view)) {
+    if (!view.causes.is_roughness_open && (!is_told || tells(view))) {
       gains.push_back(view.causes.gain);
       rougher.push_back(view.causes.roughness_change);
     }
   }
   PairCauses greys;
-  greys.gain = median(gains);
-  greys.roughness_change = median(rougher);
+  if (!gains.empty()) {
+    greys.gain = median(gains);
+    greys.roughness_change = median(rougher);
+  }
   return greys;
 }
 

@@ -73,12 +73,13 @@ std::optional<std::size_t> kinds_in_race(const Study& study, const SearchResult&
              : std::nullopt;
 }
 
-/// Up to rounding, which counting steps from a variable's lower limit leaves.
+/// Up to rounding, which counting steps from a variable's lower limit leaves, beside 0 as well.
 bool is_same_value(const ConfigNode& a, const ConfigNode& b) {
   constexpr double kRounding = 1e-9;
+  constexpr double kSmallest = 1e-3;
   if (a.is_number() && b.is_number()) {
     return std::abs(a.number - b.number) <=
-           kRounding * std::max(std::abs(a.number), std::abs(b.number));
+           kRounding * std::max({std::abs(a.number), std::abs(b.number), kSmallest});
   }
   return a.kind == b.kind && a.boolean == b.boolean && a.text == b.text;
 }

@@ -167,6 +167,16 @@ TEST(SearchRace, ABaselineOnAStepOfTheSpaceIsTheDesignInItsPlace) {
   EXPECT_EQ(entrants_beside_start(text), (std::set<std::string>{"winner"}));
 }
 
+/// -15 + 3 * 5 is 0, but -0.3 + 3 * 0.1 is 5.6e-17.
+TEST(SearchRace, ABaselineOfZeroOnAStepIsTheDesignInItsPlace) {
+  std::string text = race_of_one();
+  const std::string height = "\"lighting.ring.height_mm\" = { min = 20, max = 40 }";
+  text.replace(text.find(height),
+               height.size(),
+               "\"lighting.ring.tilt_deg\" = { min = -0.3, max = 0.5, step = 0.1 }");
+  EXPECT_EQ(entrants_beside_start(text), (std::set<std::string>{"winner"}));
+}
+
 /// The limit is of a score that noise does not move and that no scan of a winner repeats.
 TEST(SearchRace, ChoosesTheWinnerOfANoisySearch) {
   const NoisyRun& run =

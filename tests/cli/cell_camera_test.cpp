@@ -98,17 +98,21 @@ std::string ready_with_another(const TemporaryFolder& folder, const std::string&
   return kind + ".json";
 }
 
+Arguments acquired_by(const std::string& cell, const std::string& twins, const std::string& out) {
+  return {
+      "acquire", "--cell", cell, "--twin", twins, "--move", "--out", out, "--confirmed", "ring"};
+}
+
 // As ready files of twins that have ended, whose addresses others have taken.
 void expect_other_twins_are_left_alone(const TemporaryFolder& folder, const std::string& cell) {
   const std::string camera = ready_with_another(folder, "camera");
   const std::string stage = ready_with_another(folder, "stage");
-  const std::vector<ProgramResult> results =
-      glint_at_once(folder,
-                    std::vector<Arguments>{
-                        {"cell", "grab", cell, "--twin", camera, "--out", "none"},
-                        {"acquire", "--cell", cell, "--twin", camera, "--move", "--out", "none"},
-                        {"acquire", "--cell", cell, "--twin", stage, "--move", "--out", "nothing"},
-                        {"cell", "twin", "light", camera, "ring", "off"}});
+  const std::vector<ProgramResult> results = glint_at_once(
+      folder,
+      std::vector<Arguments>{{"cell", "grab", cell, "--twin", camera, "--out", "none"},
+                             acquired_by(cell, camera, "none"),
+                             acquired_by(cell, stage, "nothing"),
+                             {"cell", "twin", "light", camera, "ring", "off"}});
   for (const ProgramResult& result : results) {
     EXPECT_EQ(result.code, 3) << result.out << result.err;
     EXPECT_THAT(result.err, HasSubstr("another twin"));

@@ -55,7 +55,7 @@ TEST(Acquire, WaitsForAManualLightBeforeItConnects) {
   EXPECT_EQ(waiting.code, 1) << waiting.err;
   EXPECT_EQ(waiting.out,
             "waiting: turn on the light ring, then leave the arm's reach; then the same command "
-            "with --confirmed ring\n");
+            "with --confirmed ring=on\n");
   EXPECT_FALSE(fs::exists(folder / "out"));
   call.insert(call.end(), {"--confirmed", "rnig"});
   const ProgramResult misspelt = glint_in(folder, call);

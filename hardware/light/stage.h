@@ -53,8 +53,7 @@ struct StageWay {
 class LinearStage final : public Stage {
  public:
   /// @param link  to the controller; must outlive the stage. A serial one has twice the time for
-  /// its
-  ///              first answer: a board that restarts waits for a new program first
+  ///              its first answer: a board that restarts waits for a new program first
   LinearStage(TextLink& link, const StageWay& way);
 
   int num_positions() const override { return way_.positions; }

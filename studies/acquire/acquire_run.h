@@ -56,7 +56,8 @@ nlohmann::ordered_json interrupted_end(const AcquireOptions& options);
 /// the acquisition there.
 /// @return what acquired.json holds, and "folder", "ok", "counts"; of a design that waits "status"
 ///         "waiting", "ok" false, and "next" with what is to be done as "text", and the "design",
-///         or the "lights" that are to be switched; "end" is then interrupted_end()
+///         or the "lights" that are to be switched and what options.confirmed then says of them as
+///         "confirm"; "end" is then interrupted_end()
 /// @throws NoViewTaken, ConfigError, IoError: before anything has moved
 nlohmann::ordered_json acquire_pictures(const AcquireOptions& options, const MotionPermit& permit);
 

@@ -22,6 +22,11 @@ std::vector<std::string> manual_lights(const Cell& cell) {
   return names;
 }
 
+/// What stands behind a light's name on the command line.
+std::string state_text(bool is_on) {
+  return is_on ? "=on" : "=off";
+}
+
 struct ConfirmedLight {
   std::string name;
   std::optional<bool> is_on;
@@ -29,7 +34,7 @@ struct ConfirmedLight {
 
 ConfirmedLight parse_confirmed(const std::string& text) {
   for (const bool is_on : {true, false}) {
-    const std::string state = is_on ? "=on" : "=off";
+    const std::string state = state_text(is_on);
     if (text.ends_with(state)) {
       return {.name = text.substr(0, text.size() - state.size()), .is_on = is_on};
     }
@@ -80,7 +85,7 @@ std::optional<LightWish> light_wish(const ConfirmedLights& confirmed,
     const bool is_on = std::ranges::find(task.lights, name) != task.lights.end();
     if (!confirmed.is_set(name, is_on)) {
       wish.lights.push_back(name);
-      wish.confirm.push_back(name + (is_on ? "=on" : "=off"));
+      wish.confirm.push_back(name + state_text(is_on));
       requests.push_back(switch_request(name, is_on));
     }
   }
